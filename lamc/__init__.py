@@ -35,6 +35,7 @@ from lamc.design.split import split
 from lamc.effects import (
     BaseMotion,
     BladeElementDrag,
+    Cable,
     Effect,
     ExternalTorque,
     FlexibleLinks,
@@ -48,12 +49,14 @@ from lamc.effects import (
     NonlinearStiffness,
     PiezoBender,
     RestAngle,
+    Servo,
     Spring,
     Torque,
     TwistCompliance,
 )
 from lamc.export import convert, export
 from lamc.export.options import ExportOptions
+from lamc.fitting.fit import fit
 from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
 from lamc.readers.inert import Limits
 from lamc.readers.load import load
@@ -64,11 +67,15 @@ from lamc.records.family import Family
 from lamc.records.inputs import Input
 from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.parameters import DesignParameter
+from lamc.records.recording import Camera, Free, Marker, Recording
 from lamc.records.scene import OutputPoint, Scene
 from lamc.records.series import Series
 from lamc.run.ensemble import Ensemble
+from lamc.run.equilibrium import Equilibrium
+from lamc.run.linear_model import LinearModel
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
+from lamc.run.vibration import Modes
 from lamc.studies.optimise import optimise
 from lamc.studies.sweep import sweep
 
@@ -77,6 +84,8 @@ __all__ = [
     "BladeElementDrag",
     "Body",
     "BuildError",
+    "Cable",
+    "Camera",
     "Card",
     "CompileOptions",
     "Design",
@@ -86,12 +95,14 @@ __all__ = [
     "Effect",
     "EmitError",
     "Ensemble",
+    "Equilibrium",
     "ExportError",
     "ExportOptions",
     "ExpressionError",
     "ExternalTorque",
     "Family",
     "FlexibleLinks",
+    "Free",
     "FreeBase",
     "Gravity",
     "GroundContact",
@@ -102,17 +113,22 @@ __all__ = [
     "JointLimits",
     "LamcError",
     "Limits",
+    "LinearModel",
     "LinearMotor",
+    "Marker",
     "Material",
     "Mechanism",
+    "Modes",
     "NonlinearStiffness",
     "OutputPoint",
     "PiezoBender",
+    "Recording",
     "RequestError",
     "RestAngle",
     "Result",
     "Scene",
     "Series",
+    "Servo",
     "SimulationError",
     "Simulator",
     "Slab",
@@ -126,6 +142,7 @@ __all__ = [
     "compile",
     "convert",
     "export",
+    "fit",
     "load",
     "load_scene",
     "optimise",

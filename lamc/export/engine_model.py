@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lamc.basics.errors import DesignError
+from lamc.basics.errors import DesignError, UnsupportedError
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.effects.engine_loads import EngineLoads, GroundPlane, HingeLoads, Loss, PointSpring, carried
 from lamc.effects.registry import choose
@@ -30,6 +30,7 @@ from lamc.mechanism.tree import WORLD, Cut, Tree
 from lamc.records.effect import Effect, overrides
 from lamc.records.mechanism import Array, Body, Joint, Mechanism
 from lamc.records.scene import Scene
+from lamc.records.scene_values import left_to_model, with_values
 from lamc.run.following import series_of
 from lamc.run.start_checks import check_angles
 
@@ -113,6 +114,14 @@ def engine_model(mechanism: Mechanism, scene: Scene, name: str | None = None) ->
 
     Raises DesignError where the scene does not fit, or where an effect refuses its start.
     """
+    mechanism = with_values(mechanism, scene)
+    others = left_to_model(mechanism, scene)
+    if others:
+        raise UnsupportedError(
+            f"the scene gives {', '.join(others[:4])} values of their own, which other engines are not told; "
+            "change the "
+            "effects themselves"
+        )
     effects = [choice.effect for choice in choose(mechanism, scene) if choice.effect is not None]
     tree = plan(mechanism)
     base = _floating(tree, effects)

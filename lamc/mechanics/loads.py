@@ -89,6 +89,9 @@ class Loads(BodyPoints):
             int, Scalar
         ] = {}  # coordinate → force beyond the hinge torques, work per unit of it
         self.added: list[AddedInertia] = []
+        self.reflected: dict[
+            int, list[tuple[str, Scalar]]
+        ] = {}  # joint → effects, and kg·m² that its rate feels
         self.guards: list[Guard] = []
         self.field_effects: list[tuple[str, Vector3]] = []
         self.accounts: dict[str, Account] = {}  # by effect: what it adds to all of the above
@@ -167,6 +170,10 @@ class Loads(BodyPoints):
         if index is None:
             raise DesignError(f"no joint is named {joint!r}; the joints are {', '.join(sorted(self.joints))}")
         return Hinge(self.tree.hinges[index], self._q[index], self._u[index])
+
+    def coordinate(self, place: int) -> tuple[Scalar, Scalar]:
+        """A coordinate with a rate of its own at the same place, by its place in q: its value and its rate."""
+        return self._q[place], self._u[place]
 
     def hinges(self) -> Iterator[Hinge]:
         """All hinges in order. Use this to do the same for each: what repeats is then emitted once."""

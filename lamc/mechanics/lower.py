@@ -59,6 +59,11 @@ JACOBIAN = (
     (*_STATE, Space.ACCELERATION, Space.MULTIPLIER),
 )
 GUARDS = ("guards", "guards, then their rates", _STATE)
+GUARD_CHANGES = (
+    "guard_changes",
+    "what accelerations add to the rates of guards",
+    (*_STATE, Space.ACCELERATION),
+)
 IMPACTS = (
     "impacts",
     "restitutions of the guards, then derivatives of their rates by u",
@@ -223,6 +228,8 @@ def _event_jobs(
         jobs.append((JACOBIAN, [value for row in rows for value in row]))
     if terms:
         jobs.append((GUARDS, [*(t.guard.value for t in terms), *(t.rate for t in terms)]))
+    if any(isinstance(t.by_rates, Value) or t.by_rates for t in terms):
+        jobs.append((GUARD_CHANGES, [t.by_rates for t in terms]))
     if impacts:
         nothing = (0,) * len(equations.rates)
         restitutions = [0 if t.guard.restitution is None else t.guard.restitution for t in terms]

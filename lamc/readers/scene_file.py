@@ -45,6 +45,7 @@ class _Said:
     angles: Mapping[str, tuple[float, Path]] = field(default_factory=dict)
     rates: Mapping[str, tuple[float, Path]] = field(default_factory=dict)
     inputs: Mapping[str, tuple[object, Path]] = field(default_factory=dict)
+    parameters: Mapping[str, tuple[float | str, Path]] = field(default_factory=dict)
     single: Mapping[str, tuple[Any, Path]] = field(default_factory=dict)
 
 
@@ -124,6 +125,7 @@ class _Reader:
         self.values += (
             len(said.angles) + len(said.rates) + len(said.without) + len(said.added) + len(said.inputs)
         )
+        self.values += len(said.parameters)
         self.values += len(said.effects or ()) + len(said.single.get("outputs", ((), ()))[0])
         if self.values > MOST_VALUES:
             text = (
@@ -198,6 +200,10 @@ class _Reader:
             angles={**said.angles, **{n: (v, (*path, "angles", n)) for n, v in model.angles.items()}},
             rates={**said.rates, **{n: (v, (*path, "rates", n)) for n, v in model.rates.items()}},
             inputs={**said.inputs, **{n: (v, (*path, "inputs", n)) for n, v in model.inputs.items()}},
+            parameters={
+                **said.parameters,
+                **{n: (v, (*path, "parameters", n)) for n, v in model.parameters.items()},
+            },
             single={
                 **said.single,
                 **{n: (getattr(model, n), (*path, n)) for n in SINGLE if getattr(model, n) is not None},
@@ -218,6 +224,7 @@ class _Reader:
         places += [(("angles", name), path) for name, (_, path) in said.angles.items()]
         places += [(("rates", name), path) for name, (_, path) in said.rates.items()]
         places += [(("inputs", name), path) for name, (_, path) in said.inputs.items()]
+        places += [(("parameters", name), path) for name, (_, path) in said.parameters.items()]
         places += [(("without", name), path) for name, path in said.without.items()]
         places += [((name,), path) for name, (_, path) in said.single.items()]
         outputs, path = said.single.get("outputs", ((), ()))
@@ -236,6 +243,7 @@ class _Reader:
                 rates={name: value for name, (value, _) in said.rates.items()},
                 outputs=tuple(map(_output, outputs)) if "outputs" in said.single else None,
                 inputs=inputs,
+                parameters={name: value for name, (value, _) in said.parameters.items()},
                 places=Places(known, tuple((e, place) for e, place in made if e is not None)),
                 **single,
             ),

@@ -61,6 +61,9 @@ _INPUTS: dict[str, Any] = {
         ]
     },
 }
+_PARAMETERS: dict[str, Any] = {
+    "additionalProperties": {"type": ["number", "string"], UNIT: "of the parameter"}
+}
 _SAYS = "effects by name with their values, as a map, or as a list of names and one-entry maps"
 
 
@@ -111,6 +114,12 @@ class SceneModel(StrictModel):
         "its unit, or a map of default, unit and meaning; or what they follow over time, as {csv: bench.csv, column: "
         "cmd, unit: deg, hold: linear}",
         json_schema_extra=_INPUTS,
+    )
+    parameters: dict[str, Any] = Field(
+        {},
+        description="parameters of the model by name, in place of the design's values, such as h1.stiffness: a number "
+        "(SI), or text with a unit; what `lamc fit` finds",
+        json_schema_extra=_PARAMETERS,
     )
     branch: int | None = Field(
         None, description="way out of a singular start: 1, 2, … as listed; negative for the other way"

@@ -49,6 +49,8 @@ def scene_data(scene: Scene) -> dict[str, Any]:
         data["rates"] = dict(sorted(scene.rates.items()))
     if scene.inputs:
         data["inputs"] = {name: _input_data(name, each) for name, each in scene.inputs.items()}
+    if scene.parameters:
+        data["parameters"] = dict(scene.parameters)
     for name in SINGLE:
         value = getattr(scene, name)
         if value is not None:

@@ -64,6 +64,20 @@ def warn_of_degrees(angle: float, what: str, place: Place | None = None) -> None
         )
 
 
+def _parameters(values: object) -> Mapping[str, float | str]:
+    """Numbers, and texts with units, by name; which parameters there are is known when a model is made."""
+    if not isinstance(values, Mapping):
+        raise DesignError(
+            f"parameters of a scene is {shown(values)}; it must map names to numbers, as in {{'h1.stiffness': 2e-3}}"
+        )
+    found: dict[str, float | str] = {}
+    for name, value in values.items():
+        checked_name(name, "a parameter of a scene")
+        is_text = isinstance(value, str)
+        found[name] = value if is_text else checked_number(value, f"the parameter {name!r} of a scene")
+    return ReadOnlyDict(found)
+
+
 def _effects(values: Iterable[Effect], argument: str) -> tuple[Effect, ...]:
     if isinstance(values, type) or hasattr(values, "contribute"):
         name = values.__name__ if isinstance(values, type) else type(values).__name__
@@ -155,6 +169,8 @@ class Scene:
     closure_tolerance  m, the gap up to which loops that do not fit count as closed; None: 1e-4 of the size,
                        or 15 µm, as drawings have three decimals of a millimetre
     duration  s, how long `lamc run` simulates the scene, if not told; None: 10 s
+    parameters  of the model, values by name in place of the design's, as `Simulator.parameters` names them and
+             "h1.stiffness" or "link_1.mass": what a fit found; SI, or text with a unit
     inputs   numbers from outside by name, which expressions of the effects may hold: constant within a run, and
              parameters of the simulator, or following a series; a series may also have the name of an input that an
              effect brings, such as "knee.torque" of external_torque
@@ -178,6 +194,7 @@ class Scene:
     duration: GivenMaybe = None  # type: ignore[assignment]  # s
     outputs: tuple[str | OutputPoint, ...] | None = None
     inputs: Mapping[str, Input] = field(default_factory=dict)
+    parameters: Mapping[str, float | str] = field(default_factory=dict)
     places: Places = field(default=Places(), compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -189,6 +206,7 @@ class Scene:
             if effect.name in self.without:
                 raise DesignError(f"the scene adds {effect.name!r} and leaves it out; say one of them")
         object.__setattr__(self, "inputs", checked_inputs(self.inputs))
+        object.__setattr__(self, "parameters", _parameters(self.parameters))
         effects = (*(self.effects or ()), *self.added)
         for effect in effects:
             check_inputs(effect, self.inputs)

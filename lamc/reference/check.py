@@ -14,6 +14,7 @@ from lamc.mechanics.arrangement import arrange
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
+from lamc.records.scene_values import left_to_model
 from lamc.reference.check_general import check_general
 from lamc.reference.check_loops import closures, kept_closed
 from lamc.reference.check_motion import Budget, Progress, motions
@@ -92,6 +93,7 @@ def check(
     inputs = {p.name: p.default for p in program.parameters if p.is_input}
     effects = with_inputs(simulator.mechanism, simulator.effects, inputs | dict.fromkeys(series, 0.0))
     unknown = known_effects(effects)[1]
+    unknown = unknown or ", ".join(left_to_model(simulator.mechanism, simulator.scene))
 
     def voice(of: Callable[..., Any]) -> Any:
         return following(

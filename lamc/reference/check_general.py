@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from lamc.records.scene_values import left_to_model
 from lamc.reference.check_motion import Progress
 from lamc.reference.check_report import Comparison, Largest, Report
 from lamc.reference.general_states import general_states, regular
@@ -61,6 +62,7 @@ def check_general(
     mechanism, joints = simulator.mechanism, program.joints
     effects = with_inputs(mechanism, simulator.effects, inputs | dict.fromkeys(series, 0.0))
     unknown = known_effects(effects, ARRANGED)[1]
+    unknown = unknown or ", ".join(left_to_model(simulator.mechanism, simulator.scene))
     names = tuple(rate.name for rate in program.rates)
 
     def by_lagrange(acting: tuple[Any, ...]) -> Lagrange:

@@ -327,7 +327,7 @@ def _motion(
     for key, k in place.items():
         if key[0] == PACE and key[2:] not in given:
             inputs[k] = paces[str(key[1])].inputs[place[key[2:]]]
-    return Motion(model, inputs, series=motion.following.series)
+    return Motion(model, inputs, 0.0, motion.following.series)
 
 
 @dataclass(frozen=True, eq=False)
@@ -353,6 +353,6 @@ class _Shifts:
                 moved = motion.parameters.copy()
                 moved[k] += place * step
                 made.append(
-                    (simulator.mechanism, Motion(simulator.model, moved, series=motion.following.series))
+                    (simulator.mechanism, Motion(simulator.model, moved, 0.0, motion.following.series))
                 )
         return tuple(_Shifted(w / step, *each) for w, each in zip(WEIGHTS, made, strict=True))

@@ -31,6 +31,7 @@ from lamc.run.defaults import DURATION
 from lamc.run.evaluations import NO_PARAMETERS
 from lamc.run.following import series_of, with_series
 from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
+from lamc.run.operating_points import OperatingPoints
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.remaking import Recipe, Telling, remade_simulator
@@ -56,7 +57,7 @@ _T = TypeVar("_T")
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
 
 
-class Simulator(Running, Viewable):
+class Simulator(Running, OperatingPoints, Viewable):
     """A compiled mechanism in its scene. Made by `lamc.compile`.
 
     mechanism, scene  what it was made from
@@ -182,8 +183,8 @@ class Simulator(Running, Viewable):
         baumgarte: float | None = None,
         energy_balance: bool = False,
         accuracy: float | None = None,
-        series: "Mapping[str, Series] | None" = None,
         sensitivities: Sequence[str] = (),
+        series: "Mapping[str, Series] | None" = None,
         books: bool | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
@@ -213,11 +214,11 @@ class Simulator(Running, Viewable):
                     to five times the work of the last. The tightest is the result, with `Result.error_estimate` and
                     `Result.accuracy`. Without t_eval there are 1001 rows, evenly spread. If it cannot be reached, the
                     message says so, and what was
-        series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
         sensitivities  names of parameters, of dimensions of the design, "angles.JOINT" and "rates.JOINT" of the start:
                     the run is differentiated by them, for `Result.sensitivity`. The derivatives are those of what the
                     run computes, at the steps that it takes, which are the same to the last bit with and without. The
                     first time a list takes a compile of its own
+        series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,

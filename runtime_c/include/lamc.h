@@ -160,6 +160,9 @@ typedef struct lamc_model {
   /* At udot -> power (power_count,) W of all loads that each effect applies */
   void (*power)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                 const lamc_real *udot, lamc_real *power);
+  /* At udot -> what it adds to the guards' rates (guard_count,). NULL: no guard depends on u */
+  void (*guard_changes)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                        const lamc_real *udot, lamc_real *changes);
 } lamc_model;
 
 /* A model with its constants: what the functions below evaluate. One thread at a time for loops and guards, which use
@@ -239,6 +242,8 @@ typedef struct lamc_ode {
   void (*guards)(const void *context, lamc_real t, const lamc_real *y, lamc_real *guards);
   /* Before a run starts at (t, y): what rhs and guards stand for there */
   void (*sense)(const void *context, lamc_real t, const lamc_real *y);
+  /* After a change of the equation, or to another state: the same, but for guards that are zero up to round-off */
+  void (*review)(const void *context, lamc_real t, const lamc_real *y);
   /* The guards with struck (guard_count,) above 0 have reached zero at (t, y), all at one instant: changes y, or what rhs
    * and guards stand for from here on */
   lamc_status (*event)(const void *context, lamc_real t, lamc_real *y, const lamc_real *struck);

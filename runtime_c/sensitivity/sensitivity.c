@@ -147,6 +147,9 @@ static void follow(lamc_sensitivity *s) {
 /* How much later the event comes, by column, into the first row of `out`. 0: the guard is touched and not passed */
 static int delay(lamc_sensitivity *s, lamc_real t, const lamc_real *y, const lamc_real *slope, int guard,
                  lamc_real *out) {
+  for (int c = 0; c < s->width; c++) out[c] = 0;
+  if (t == s->t_break)
+    return 1; /* a series jumped, and the guard with it: at its time, whatever the parameters */
   const variation v = lamc_variation_of(s);
   const lamc_real *row = v.derivative + (ptrdiff_t)guard * (v.n + 1 + v.k);
   lamc_series_put(&s->beside, t);
@@ -174,6 +177,7 @@ static void struck_at(lamc_sensitivity *s, const room *r, lamc_real t, const lam
     const lamc_real *direction = s->directions + (ptrdiff_t)c * inputs;
     for (int i = 0; i < inputs; i++) r->inputs[i] = s->inputs[i] + way * direction[i];
     model->setup(r->inputs, s->beside.constants);
+    lamc_series_put(&s->beside, t);
     for (int g = 0; g < model->guard_count; g++) {
       const int mode = model->guard_modes[g];
       if (mode >= 0) s->beside.constants[mode] = r->constants[mode];
@@ -317,17 +321,18 @@ static lamc_status meet(const void *context, lamc_real t, lamc_real *y, const la
   return status;
 }
 
-/* A break that the run has come to: S follows first, up to there and under what holds before it. At breaks, whose times no
- * column moves, S is continuous. */
+/* A step that ended at a break of a series is followed before the run looks at what comes after it. Breaks stand still: S
+ * does not jump there. */
 static void pass(const void *context, long long next) {
-  lamc_sensitivity *s = (lamc_sensitivity *)context;
+  lamc_sensitivity *s = (lamc_sensitivity *)context; /* whose first member is the motion */
   if (s->run.t > s->t) {
     const room r = room_of(s);
     follow(s);
     if (wants_rows_within(&s->run) && lamc_is_replayed(s->method)) lamc_replay_extend(s, r.argument, r.y);
   }
   s->has_slope = 0;
-  lamc_series_pass(&s->motion, next);
+  s->t_break = s->run.t;
+  lamc_series_pass(context, next);
   lamc_series_pass(&s->beside, next);
 }
 
@@ -354,6 +359,7 @@ lamc_status lamc_sensitivity_start(lamc_sensitivity *s, const lamc_motion *motio
   s->width = padded(column_count);
   s->t = t0;
   s->t_lost = HUGE_VAL;
+  s->t_break = -HUGE_VAL;
   room r;
   (void)lay_out(s, &r, motion->model, tangents->column_count, column_count, work);
   if (motion->model->cut_count > 0) lamc_loops_begin(&s->beside);

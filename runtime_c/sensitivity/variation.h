@@ -122,6 +122,7 @@ static inline void lamc_vary(lamc_sensitivity *s, lamc_real t, const lamc_real *
   const lamc_model *model = s->motion.model;
   const variation v = lamc_variation_of(s);
   const int across = v.n + v.k;
+  lamc_series_put(&s->beside, t);
   const int count = lamc_vary_prepare(s, &v, t, y, known);
   lamc_real *late = slope + (ptrdiff_t)v.nq * v.width;
   s->tangents->residuals(s->beside.constants, t, y, y + v.nq, v.udot, v.lambda, v.derivative);

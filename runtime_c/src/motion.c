@@ -79,6 +79,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   ode.guard_count = model->guard_count;
   ode.guards = lamc_guards_values;
   ode.sense = lamc_guards_sense;
+  ode.review = lamc_guards_review;
   ode.event = lamc_guards_event;
   if (model->power != NULL) {
     ode.integral_count = model->power_count + 1;

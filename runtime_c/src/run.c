@@ -418,6 +418,7 @@ lamc_status lamc_run_put(lamc_run *run, lamc_real t, const lamc_real *y) {
   run->watch.mark_t = smaller(run->watch.mark_t, t); /* a trial under way fails */
   memcpy(y_here(run), y, (size_t)run->ode.n * sizeof *y);
   find_break(run);
+  if (run->ode.guard_count > 0 && run->ode.review != NULL) run->ode.review(run->ode.context, t, y_here(run));
   if (run->ode.guard_count > 0) run->ode.guards(run->ode.context, t, y_here(run), run->guards);
   evaluate(run, t, y_here(run), slope_here(run));
   run->status = all_finite(run, y) && all_finite(run, slope_here(run)) ? LAMC_PAUSED : LAMC_NOT_FINITE;

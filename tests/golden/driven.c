@@ -201,6 +201,7 @@ const lamc_model *driven_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
   };
   return &model;
 }

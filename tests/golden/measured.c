@@ -253,6 +253,7 @@ const lamc_model *measured_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
   };
   return &model;
 }

@@ -516,6 +516,7 @@ const lamc_model *pendulum_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
   };
   return &model;
 }

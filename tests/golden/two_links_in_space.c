@@ -474,6 +474,7 @@ const lamc_model *two_links_in_space_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
   };
   return &model;
 }

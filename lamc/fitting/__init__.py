@@ -1,0 +1,1 @@
+"""Numbers of a model from what was measured on the device."""

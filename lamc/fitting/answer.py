@@ -1,0 +1,205 @@
+"""What a fit answers: values, intervals, correlations, what the data cannot tell, and the runs that go with them.
+
+In: a solved problem. Out: a `Fit`. It runs the model where a run is asked for, and fits nothing but a held-back
+recording's own numbers.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from lamc.basics.errors import RequestError
+from lamc.basics.once import lazy
+from lamc.basics.readonly import ReadOnlyDict
+from lamc.fitting.predictions import Predictor
+from lamc.fitting.setting import Run, Setting
+from lamc.fitting.solve import Solved
+from lamc.fitting.uncertainty import Account, Combination
+from lamc.records.recording import Recording
+from lamc.records.scene import Scene
+from lamc.run.request import Array, Request
+from lamc.run.result import Result
+from lamc.run.simulator import Simulator
+from lamc.studies.targets import Made
+
+_CORRELATED = 0.3  # of neighbouring residuals, beyond which intervals are too narrow to believe
+_ROWS = 200  # a second, of results
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """A recording beside what the fitted model says. t: (m,), s, of its clock; measured, predicted: (m, k), NaN: gaps;
+    columns and their units."""
+
+    name: str
+    t: Array
+    columns: tuple[str, ...]
+    units: tuple[str, ...]
+    measured: Array
+    predicted: Array
+
+    @property
+    def residuals(self) -> Array:
+        """Predicted less measured, (m, k)."""
+        return self.predicted - self.measured
+
+    @property
+    def rms(self) -> dict[str, float]:
+        """Root mean square of residuals, by column."""
+        with np.errstate(invalid="ignore"):
+            found = np.sqrt(np.nanmean(self.residuals**2, axis=0))
+        return dict(zip(self.columns, found.tolist(), strict=True))
+
+    @property
+    def share(self) -> dict[str, float]:
+        """Of each column's variance, what the model leaves."""
+        found = np.nanvar(self.residuals, axis=0) + np.nanmean(self.residuals, axis=0) ** 2
+        spread = np.nanvar(self.measured, axis=0)
+        return {
+            c: float(f / s) if s > 0.0 else float("nan")
+            for c, f, s in zip(self.columns, found, spread, strict=True)
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Numbers fitted to recordings. SI.
+
+    values      by name: those of the model, and those of single recordings ("run1.delay", "run1.angles.h1")
+    units       by name
+    intervals   (low, high) by name, 95 %; infinite where the data say nothing; NaN at a bound
+    errors      standard errors by name, of the logarithm where that was sought (`logarithms`)
+    correlations  (p, p), in the order of `names`; NaN where there are none
+    unidentifiable  what the data cannot tell: each with `names`, and as text in words
+    noise       by column's unit or camera: standard deviation of what is left; said ones as given
+    converged, message  how the search ended
+    notes       in which the answer may not be what it seems
+    runs        that were made
+    compared    the recordings beside the model
+    derivatives how they were had
+    """
+
+    values: Mapping[str, float]
+    units: Mapping[str, str]
+    intervals: Mapping[str, tuple[float, float]]
+    errors: Mapping[str, float]
+    logarithms: tuple[str, ...]
+    correlations: Array
+    unidentifiable: tuple[Combination, ...]
+    converged: bool
+    message: str
+    notes: tuple[str, ...]
+    runs: int
+    compared: tuple[Compared, ...]
+    setting: Setting = field(repr=False)
+    predictor: Predictor = field(repr=False)
+    solved: Solved = field(repr=False)
+    account: Account = field(repr=False)
+    derivatives: str = ""
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name}={value:.4g}" for name, value in list(self.values.items())[:6])
+        return f"<Fit {told}: {self.message}>"
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(self.values)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Of the model, fitted: what `Simulator.run(parameters=…)` takes."""
+        return self._of("parameter")
+
+    @property
+    def dimensions(self) -> dict[str, float]:
+        """Of the drawing, fitted: what `design.with_parameters(…)` takes."""
+        return self._of("dimension")
+
+    def _of(self, kind: str) -> dict[str, float]:
+        return {u.name: self.values[u.name] for u in self.setting.unknowns.all if u.kind == kind}
+
+    @property
+    def design(self) -> Made:
+        """The design with fitted dimensions."""
+        return self.setting.simulators.drawn(self.dimensions)
+
+    @property
+    def simulator(self) -> Simulator:
+        """Of the design with fitted dimensions; its parameters are as ever."""
+        return self.setting.simulators.of(self.dimensions)
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with fitted parameters: `lamc.compile(fit.design, fit.scene)`."""
+        scene = self.simulator.scene
+        return replace(
+            scene, parameters=ReadOnlyDict({**scene.parameters, **self.setting.parameters, **self.parameters})
+        )
+
+    @lazy
+    def result(self) -> Result:
+        """The run of the first recording, with what was fitted."""
+        return self.result_of(0)
+
+    def result_of(self, which: int | str) -> Result:
+        """The run of a recording, by its place or name, from its start to its end, 200 rows a second."""
+        _, place = self._run(which)
+        task = self.predictor.task(place, self.values, sloped=False)
+        end = float(task.times[-1])
+        span = end - task.t_start
+        times = np.linspace(task.t_start, end, max(int(_ROWS * span) + 1, 101))
+        request = Request(task.y0, end, 1e-9, 1e-11, times, 1_000_000, np.inf, None, t_start=task.t_start)
+        return task.simulator.integrated(
+            task.simulator.model.motion(task.parameters), task.parameters, request, "auto"
+        )
+
+    def held_back(self, recording: Recording) -> Compared:
+        """A recording that the fit was not made of, beside the model: cross-validation. Its own ranges are found."""
+        from lamc.fitting.holding import held_back
+
+        return held_back(self, recording)
+
+    def _run(self, which: int | str) -> tuple[Run, int]:
+        for place, run in enumerate(self.setting.runs):
+            if which in (place, run.name):
+                return run, place
+        known = ", ".join(run.name for run in self.setting.runs)
+        raise RequestError(f"no recording is named {which!r}; there are {known}")
+
+
+def compared_of(predictor: Predictor, solved: Solved) -> tuple[Compared, ...]:
+    """The recordings beside the model."""
+    found = []
+    for which, (run, prediction) in enumerate(
+        zip(predictor.setting.runs, solved.objective.predictions(solved.inner, sloped=False), strict=True)
+    ):
+        signals = predictor.signals(which, predictor.setting.simulators.usual).all
+        camera = run.recording.camera is not None
+        units = tuple(
+            ("" if camera and told.axis is not None else signals[told.base].unit) for told in run.sight.told
+        )
+        measured = run.measured
+        predicted = np.where(np.isfinite(prediction.values), prediction.values, np.nan)
+        found.append(Compared(run.name, run.times, run.sight.columns, units, measured, predicted))
+    return tuple(found)
+
+
+def remarks(compared: tuple[Compared, ...]) -> list[str]:
+    """Where residuals are no noise."""
+    found = []
+    for each in compared:
+        for k, column in enumerate(each.columns):
+            r = each.residuals[:, k]
+            r = r[np.isfinite(r)]
+            if len(r) < 20 or not r.std() > 0.0:
+                continue
+            r = r - r.mean()
+            first = float(np.sum(r[1:] * r[:-1]) / np.sum(r * r))
+            if first > _CORRELATED + 2.0 / np.sqrt(len(r)):
+                found.append(
+                    f"{each.name}: what is left of {column} is alike from row to row (correlation "
+                    f"{first:.2f}): the model "
+                    "misses something, and the intervals are too narrow"
+                )
+    return found

@@ -1,0 +1,81 @@
+"""Flights with exact derivatives: the variational equations on the run's own steps.
+
+In: tasks. Out: flights. Where there is no derivative, as at a limit that is touched and not passed, it takes
+differences of runs instead, and says so. A model with the derivatives by a set of parameters is compiled once, and kept
+by the cache.
+"""
+
+from dataclasses import replace
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from lamc.fitting.flights import ATOL, RTOL, Differences, Flight, Task
+from lamc.mechanics.tangents import Columns
+from lamc.run import integrators
+from lamc.run.model import Model
+from lamc.run.request import Along, Request
+from lamc.run.sensitivities import WHY
+from lamc.run.simulator import Simulator
+
+_MAX_STEPS = 1_000_000
+
+
+class Exact:
+    """notes: where there were no derivatives, and why."""
+
+    def __init__(self, integrator: str = "auto") -> None:
+        self._plain = Differences(integrator)
+        self._how = integrator
+        self._models: WeakKeyDictionary[Simulator, dict[tuple[str, ...], Model]] = WeakKeyDictionary()
+        self._own = 0
+        self.notes: list[str] = []
+
+    @property
+    def count(self) -> int:
+        return self._own + self._plain.count
+
+    @property
+    def told(self) -> str:
+        return "those of the variational equations" if not self.notes else "differences of runs, where noted"
+
+    def flight(self, task: Task) -> Flight:
+        return self._plain.flight(task)
+
+    def sensitive(self, task: Task, *, fine: bool) -> Flight:
+        end = float(task.times[-1])
+        if end <= task.t_start or self._how.startswith("scipy:"):
+            return self._plain.sensitive(task, fine=fine)
+        self._own += 1
+        names = tuple(task.sizes)
+        model = self._model(task.simulator, names)
+        motion = model.motion(task.parameters)
+        directions = np.zeros((max(len(names), 1), max(len(motion.parameters), 1)))
+        for row, name in enumerate(names):
+            directions[row, model.parameters.index(name)] = 1.0
+        columns = len(names) + task.directions.shape[1]
+        start = np.zeros((len(task.y0), columns))
+        start[:, len(names) :] = task.directions
+        along = Along(motion.parameters, directions, np.ascontiguousarray(start))
+        y0 = np.ascontiguousarray(task.y0)
+        request = Request(y0, end, RTOL, ATOL, task.times, _MAX_STEPS, np.inf, None, t_start=task.t_start)
+        _, done = integrators.integrate(self._how, motion, replace(request, along=along))
+        if done.status != 0:
+            empty = np.full((len(task.times), len(y0)), np.nan)
+            message = f"{done.status.name.lower().replace('_', ' ')} at {done.t_reached:g} s"
+            return Flight(motion, empty, np.zeros((*empty.shape, 0)), message)
+        if done.lost is not None:
+            since = f"from {done.lost[0]:.6g} s on"
+            note = f"derivatives are differences of runs, as {since} there are none: {WHY[done.lost[1]]}"
+            if not self.notes:
+                self.notes.append(note)
+            return self._plain.sensitive(task, fine=fine)
+        assert done.along is not None
+        plain = task.simulator.model.motion(task.parameters)
+        return Flight(plain, np.hstack([done.q, done.u]), done.along)
+
+    def _model(self, simulator: Simulator, names: tuple[str, ...]) -> Model:
+        known = self._models.setdefault(simulator, {})
+        if names not in known:
+            known[names] = simulator.with_columns(Columns(names))[0]
+        return known[names]

@@ -1,0 +1,177 @@
+"""`lamc.fit`: numbers of a model from what was measured on the device.
+
+In: as its docstring says. Out: a `Fit`. It arranges: what is unknown (`setting`), what the model says of it
+(`predictions`), least squares (`solve`), and what is known of the answer (`uncertainty`).
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from lamc.basics.checks import is_list, shown
+from lamc.basics.errors import RequestError
+from lamc.codegen.options import CompileOptions
+from lamc.fitting.answer import Fit, compared_of, remarks
+from lamc.fitting.cameras import camera_starts
+from lamc.fitting.exact import Exact
+from lamc.fitting.objective import Objective, first_sigmas
+from lamc.fitting.predictions import Predictor
+from lamc.fitting.setting import setting_of
+from lamc.fitting.simulators import Simulators
+from lamc.fitting.solve import LOSSES, Solved, left_over, solve
+from lamc.fitting.uncertainty import account_of, correlated
+from lamc.fitting.unknowns import Unknowns, begun_at
+from lamc.records.mechanism import Mechanism
+from lamc.records.recording import Recording
+from lamc.records.scene import Scene
+from lamc.run.evaluations import NO_PARAMETERS
+from lamc.run.request import did_you_mean
+from lamc.studies.making import named_scene
+from lamc.studies.targets import Made, Studied, family_of
+
+_POOR = 0.5  # share of the data's variance: a model that does not describe them
+
+
+def fit(
+    design: Studied | Callable[..., Made],
+    data: Recording | Sequence[Recording],
+    free: Mapping[str, object] | Sequence[str],
+    scene: Scene | Callable[[Mechanism], Scene] | str | None = None,
+    *,
+    parameters: Mapping[str, float | str] = NO_PARAMETERS,
+    loss: str = "linear",
+    starts: int = 4,
+    seed: int = 0,
+    integrator: str = "auto",
+    options: CompileOptions | None = None,
+) -> Fit:
+    """Finds the numbers of a model with which its runs are nearest to recordings.
+
+    design   Design, Mechanism or Family; or a function of dimensions, with defaults, that gives one
+    data     a Recording, or several; each with its own start, delay, gains, camera
+    free     name → range, in SI or text: (1e-4, 1e-1), "log:1e-4:1e-1", "3 N*mm/rad ± 0.5 N*mm/rad" (a prior), None (no
+             bounds, and a positive number within 1e8 times either way), or lamc.Free(…); or names alone. Parameters of
+             the model ("h1.stiffness") and dimensions of the design. Positive numbers whose range spans a decade are
+             sought by their logarithms
+    scene    a Scene, or the name of one of the design's; None: the design's own
+    parameters  of the model in all recordings, given
+    loss     "linear": least squares; "soft_l1", "huber", "cauchy", "arctan": outliers count less
+    starts   how many at most, where the first leaves more than a tenth of the data's variance; seed: of the others
+
+    Returns a Fit, which may not be what it seems: `Fit.converged`, `Fit.notes` and `Fit.unidentifiable` tell. Raises
+    RequestError for what makes no fit: unknown names, fewer data than unknowns, a number that changes nothing that was
+    recorded; DesignError for what cannot be simulated; SimulationError if the run fails from where the fit begins.
+    """
+    simulators = Simulators(family_of(design), _scene(scene), options)
+    return answered(simulators, data, free, parameters, loss, starts, seed, integrator)
+
+
+def answered(
+    simulators: Simulators,
+    data: Recording | Sequence[Recording],
+    free: Mapping[str, object] | Sequence[str],
+    parameters: Mapping[str, float | str],
+    loss: str,
+    starts: int,
+    seed: int,
+    integrator: str = "auto",
+) -> Fit:
+    """The fit of a design that is compiled, as of `fit`."""
+    recordings = _checked(data, loss, starts)
+    setting = setting_of(simulators, recordings, _ranges(free), parameters)
+    runs = Exact(integrator)
+    predictor = placed(Predictor(setting, runs))
+    objective = Objective(predictor, first_sigmas(predictor))
+    solved = solve(objective, loss, starts, seed)
+    return answer(predictor, solved, loss)
+
+
+def placed(predictor: Predictor) -> Predictor:
+    """The predictor with cameras where the first run says."""
+    starts = camera_starts(predictor)
+    if not starts:
+        return predictor
+    setting = predictor.setting
+    unknowns = Unknowns(begun_at(setting.unknowns.all, starts))
+    return Predictor(replace(setting, unknowns=unknowns), predictor.runs)
+
+
+def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
+    """The account of what was found."""
+    setting, unknowns = predictor.setting, predictor.setting.unknowns
+    if not np.isfinite(solved.cost):
+        raise RequestError(f"no fit: {solved.message}")
+    objective, inner = solved.objective, solved.inner
+    account = account_of(
+        unknowns, inner, objective.residual(inner), objective.jacobian(inner, fine=True), loss
+    )
+    compared = compared_of(predictor, solved)
+    values = dict(zip(unknowns.names, unknowns.values(inner).tolist(), strict=True))
+    notes = [*setting.notes, *predictor.runs.notes, *solved.notes, *remarks(compared)]
+    share = left_over(objective, inner)
+    if share > _POOR:
+        notes.append(f"the model leaves {share:.0%} of the data's variance: it does not describe them")
+    notes += [
+        f"{name} stands at its bound, {values[name]:g}; widen the range, or leave it there"
+        for name in account.at_bounds
+    ]
+    notes += [
+        f"{a} and {b} are told together rather than each (correlation {r:+.3f})"
+        for a, b, r in correlated(unknowns.names, account.correlations)
+        if not any({a, b} <= set(each.names) for each in account.unidentifiable)
+    ]
+    return Fit(
+        values=values,
+        units={u.name: u.unit for u in unknowns.all},
+        intervals=dict(
+            zip(unknowns.names, ((float(a), float(b)) for a, b in account.intervals), strict=True)
+        ),
+        errors=dict(zip(unknowns.names, account.errors.tolist(), strict=True)),
+        logarithms=tuple(u.name for u in unknowns.all if u.log),
+        correlations=account.correlations,
+        unidentifiable=account.unidentifiable,
+        converged=solved.converged,
+        message=solved.message,
+        notes=tuple(notes),
+        runs=predictor.runs.count,
+        derivatives=predictor.runs.told,
+        compared=compared,
+        setting=setting,
+        predictor=predictor,
+        solved=solved,
+        account=account,
+    )
+
+
+def _checked(data: object, loss: str, starts: int) -> list[Recording]:
+    if isinstance(data, Recording):
+        data = [data]
+    if not is_list(data) or not len(data) or not all(isinstance(each, Recording) for each in data):
+        raise RequestError(
+            f"data is {shown(data)}; give recordings: data=[lamc.Recording(t, {{'h1': angles}})]"
+        )
+    if loss not in LOSSES:
+        raise RequestError(f"no loss is named {shown(loss)}; {did_you_mean(str(loss), LOSSES)}")
+    if isinstance(starts, bool) or not isinstance(starts, int) or not 1 <= starts <= 1000:
+        raise RequestError(f"starts is {shown(starts)}; it must be a whole number from 1 to 1000")
+    return list(data)
+
+
+def _ranges(free: object) -> dict[str, object]:
+    if isinstance(free, Mapping):
+        return {str(name): given for name, given in free.items()}
+    if is_list(free) and all(isinstance(each, str) for each in free):
+        return dict.fromkeys(free)
+    raise RequestError(
+        f"free is {shown(free)}; it must map names to ranges, free={{'h1.stiffness': (1e-4, 1e-1)}}"
+    )
+
+
+def _scene(
+    scene: Scene | Callable[[Mechanism], Scene] | str | None,
+) -> Scene | Callable[[Mechanism], Scene] | None:
+    if isinstance(scene, str):
+        name = scene
+        return lambda mechanism: named_scene(mechanism, name)
+    return scene

@@ -1,0 +1,135 @@
+"""Tables of files as recordings: which column is a hinge, which a point of a body.
+
+In: a `Table`, what its columns are ("marker1" → "link_2@(30mm, 0, 0)", "angle_1" → "h1"). Out: a `Recording`. Columns
+that are named as the model names them need no word. Raises RequestError for names that are not there.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from lamc.basics.checks import did_you_mean
+from lamc.basics.errors import DesignError, Place, RequestError
+from lamc.fitting.signals import signal_of
+from lamc.readers.recordings import PIXELS, Table
+from lamc.records.recording import Array, Camera, Marker, Recording
+from lamc.run.simulator import Simulator
+
+_AXES = ("x", "y", "z")
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What is said of all recordings: maps by column or track; ranges of their own numbers ("delay", "angles.h1",
+    "h1.bias"); start; frame: axes of a camera, None: points are in the world's."""
+
+    maps: Mapping[str, str] = field(default_factory=dict)
+    own: Mapping[str, str] = field(default_factory=dict)
+    start: str = "known"
+    frame: tuple[str, ...] | None = None
+
+
+def own_names(free: Mapping[str, object]) -> dict[str, object]:
+    """Of what is free, the numbers of recordings: the delay, starts, gains and biases."""
+    return {
+        name: given
+        for name, given in free.items()
+        if name == "delay" or name.startswith(("angles.", "rates.")) or name.endswith((".bias", ".gain"))
+    }
+
+
+def recording_of(
+    table: Table, name: str, simulator: Simulator, asked: Asked
+) -> tuple[Recording, tuple[str, ...]]:
+    """The recording of a table, and the columns that nothing is made of."""
+    columns: dict[str, Array] = {}
+    markers: dict[str, Marker] = {}
+    used: set[str] = set()
+    for track, what in asked.maps.items():
+        if what == "t":
+            continue
+        if "@" in what:
+            markers[track] = Marker.of(what, track)
+            found = _of_track(table, track)
+            columns |= {f"{track}.{axis}": table.columns[column] for axis, column in found.items()}
+            used |= set(found.values())
+        else:
+            if track not in table.columns:
+                raise _unknown(table, track, list(table.columns))
+            columns[what] = table.columns[track]
+            used.add(track)
+    for column, values in table.columns.items():
+        if column not in used and column not in columns and _is_known(simulator, column):
+            columns[column] = values
+            used.add(column)
+    if not columns:
+        raise RequestError(
+            f"{table.path} has no column that the model knows ({', '.join(list(table.columns)[:8])}); say what "
+            "they are: "
+            "--map COLUMN=h1, --map MARKER=link_2@(30mm, 0, 0)"
+        )
+    _check_pixels(table, used, asked)
+    camera = None
+    if asked.frame is not None and markers:
+        axes = asked.frame
+        camera = Camera.unknown(axes)
+        extra = [f"{m}.{axis}" for m in markers for axis in _AXES[len(axes) :]]
+        columns = {c: v for c, v in columns.items() if c not in extra}
+    own = asked.own
+    recording = Recording(
+        table.t,
+        columns,
+        name=name,
+        start=asked.start,
+        markers=markers,
+        camera=camera,
+        delay=own.get("delay", 0.0),
+        angles={n.removeprefix("angles."): given for n, given in own.items() if n.startswith("angles.")},
+        rates={n.removeprefix("rates."): given for n, given in own.items() if n.startswith("rates.")},
+        gain={n.removesuffix(".gain"): given for n, given in own.items() if n.endswith(".gain")},
+        bias={n.removesuffix(".bias"): given for n, given in own.items() if n.endswith(".bias")},
+    )
+    return recording, tuple(column for column in table.columns if column not in used)
+
+
+def _of_track(table: Table, track: str) -> dict[str, str]:
+    """The columns of a track by axis."""
+    found: dict[str, str] = {}
+    for axis in _AXES:
+        for mark in (".", "_", " "):
+            for letter in (axis, axis.upper()):
+                if f"{track}{mark}{letter}" in table.columns:
+                    found.setdefault(axis, f"{track}{mark}{letter}")
+    if not found:
+        known = [
+            column.rpartition(mark)[0]
+            for column in table.columns
+            for mark in (".", "_", " ")
+            if column[-1:] in "xyzXYZ"
+        ]
+        raise _unknown(table, track, [each for each in known if each])
+    return found
+
+
+def _unknown(table: Table, name: str, known: list[str]) -> DesignError:
+    return DesignError(
+        f"--map names {name!r}, and the file has no such column or marker; {did_you_mean(name, known)}",
+        Place(table.path),
+    )
+
+
+def _is_known(simulator: Simulator, column: str) -> bool:
+    try:
+        signal_of(simulator, column, {}, "a file")
+    except RequestError:
+        return False
+    return True
+
+
+def _check_pixels(table: Table, used: set[str], asked: Asked) -> None:
+    pixels = [column for column in sorted(used) if table.units.get(column, "").lower() in PIXELS]
+    if pixels and asked.frame is None:
+        raise DesignError(
+            f"{pixels[0]!r} is in pixels, and points are in metres; say along which world axes the picture lies: "
+            "--frame x,-z (scale and place are found)",
+            Place(table.path),
+        )

@@ -1,0 +1,167 @@
+"""What a fit makes small: residuals of all recordings over their noise, and of priors.
+
+In: a predictor, weights. Out: residuals (N,) and their Jacobian (N, p) by a solver's vector. Gaps are left out. Where a
+run fails, residuals are as large as nothing seen so far, so that a solver steps back.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from lamc.basics.errors import DesignError, LamcError
+from lamc.fitting.predictions import Prediction, Predictor
+from lamc.fitting.signals import Column
+from lamc.run.request import Array
+
+_FAR = 1e3  # times the data's own size: a run that failed
+
+
+@dataclass(eq=False)
+class Objective:
+    """sigmas: by recording, (k,) each: what residuals are divided by. share: of each recording's time, from its begin,
+    that is compared. failures: why runs failed, as they come."""
+
+    predictor: Predictor
+    sigmas: list[Array]
+    share: float = 1.0
+    failures: list[str] = field(default_factory=list)
+    _known: tuple[bytes, Array] | None = None
+
+    @cached_property
+    def measured(self) -> list[Array]:
+        """By recording, (m, k); NaN: not compared."""
+        found = []
+        for run in self.predictor.setting.runs:
+            late = run.times > run.times[0] + self.share * (run.times[-1] - run.times[0])
+            found.append(np.where(late[:, None], np.nan, run.measured))
+        return found
+
+    @property
+    def count(self) -> int:
+        """Of residuals."""
+        priors = sum(u.free.prior is not None for u in self.predictor.setting.unknowns.all)
+        return priors + sum(int(np.isfinite(each).sum()) for each in self.measured)
+
+    def residual(self, inner: Array) -> Array:
+        key = inner.tobytes()
+        if self._known is None or self._known[0] != key:
+            self._known = key, self._residual(inner)
+        return self._known[1]
+
+    def predictions(self, inner: Array, *, sloped: bool, fine: bool = False) -> list[Prediction]:
+        """Of all recordings. Raises LamcError for a start that cannot be had."""
+        values = self.predictor.setting.unknowns.values(inner)
+        return [
+            self.predictor.prediction(k, values, sloped=sloped, fine=fine) for k in range(len(self.sigmas))
+        ]
+
+    def _residual(self, inner: Array) -> Array:
+        try:
+            found = self.predictions(inner, sloped=False)
+        except DesignError as error:  # of a start, or a drawing, that cannot be
+            self.failures.append(error.message)
+            return np.full(self.count, _FAR)
+        parts = []
+        for measured, prediction, sigma in zip(self.measured, found, self.sigmas, strict=True):
+            good = np.isfinite(measured)
+            if prediction.message or not np.isfinite(prediction.values[good]).all():
+                self.failures.append(prediction.message or "the run gives no finite numbers")
+                spread = np.nanstd(measured, axis=0) + np.abs(np.nanmean(measured, axis=0)) + sigma
+                parts.append((np.ones_like(measured) * _FAR * spread / sigma)[good])
+            else:
+                parts.append(((prediction.values - measured) / sigma)[good])
+        return np.concatenate([*parts, self._priors(inner)])
+
+    def jacobian(self, inner: Array, *, fine: bool = False) -> Array:
+        """(N, p), by the solver's vector. Raises LamcError where there is none."""
+        setting = self.predictor.setting
+        rates = setting.unknowns.rates(inner)
+        parts = []
+        found = self.predictions(inner, sloped=True, fine=fine)
+        for run, measured, prediction, sigma in zip(
+            setting.runs, self.measured, found, self.sigmas, strict=True
+        ):
+            if prediction.message:
+                raise LamcError(f"{run.name} has no derivatives: {prediction.message}")
+            good = np.isfinite(measured)
+            parts.append((prediction.slopes / sigma[:, None])[good] * rates)
+        values = setting.unknowns.values(inner)
+        for k, each in enumerate(setting.unknowns.all):
+            if each.free.prior is not None:
+                row = np.zeros((1, len(values)))
+                row[0, k] = rates[k] / each.free.prior[1]
+                parts.append(row)
+        return np.concatenate(parts)
+
+    def _priors(self, inner: Array) -> Array:
+        unknowns = self.predictor.setting.unknowns
+        values = unknowns.values(inner)
+        return np.array(
+            [
+                (v - u.free.prior[0]) / u.free.prior[1]
+                for u, v in zip(unknowns.all, values, strict=True)
+                if u.free.prior is not None
+            ]
+        )
+
+
+def groups_of(predictor: Predictor) -> list[list[str]]:
+    """For each recording and column, what its noise is shared with: columns of one unit, or of one camera."""
+    setting = predictor.setting
+    found = []
+    for which, run in enumerate(setting.runs):
+        signals = predictor.signals(which, setting.simulators.usual).all
+        camera = run.recording.camera
+        names = []
+        for column, told in zip(run.sight.columns, run.sight.told, strict=True):
+            signal = signals[told.base]
+            unit = signal.unit if isinstance(signal, Column) else "m"
+            if run.recording.sigma_of(column) is not None:
+                names.append("")
+            else:
+                names.append(camera.name if camera is not None and told.axis is not None else unit)
+        found.append(names)
+    return found
+
+
+def first_sigmas(predictor: Predictor) -> list[Array]:
+    """What residuals are divided by at first: the noise that is said, else a part of how a group's columns vary."""
+    groups = groups_of(predictor)
+    sizes: dict[str, list[float]] = {}
+    for run, names in zip(predictor.setting.runs, groups, strict=True):
+        for column, name in zip(run.measured.T, names, strict=True):
+            if np.isfinite(column).any():
+                sizes.setdefault(name, []).append(float(np.nanstd(column)))
+    usual = {name: 0.01 * (float(np.sqrt(np.mean(np.square(each)))) or 1.0) for name, each in sizes.items()}
+    found = []
+    for run, names in zip(predictor.setting.runs, groups, strict=True):
+        sigmas = [
+            run.recording.sigma_of(c) or usual.get(n, 1.0)
+            for c, n in zip(run.sight.columns, names, strict=True)
+        ]
+        found.append(np.array(sigmas))
+    return found
+
+
+def told_sigmas(predictor: Predictor, predictions: list[Prediction], sigmas: list[Array]) -> list[Array]:
+    """The same, of what is left of each group."""
+    groups = groups_of(predictor)
+    left: dict[str, list[Array]] = {}
+    for run, names, found in zip(predictor.setting.runs, groups, predictions, strict=True):
+        residual = found.values - run.measured
+        for column, name in zip(residual.T, names, strict=True):
+            left.setdefault(name, []).append(column[np.isfinite(column)])
+    usual = {}
+    for name, parts in left.items():
+        every = np.concatenate(parts)
+        usual[name] = float(np.sqrt(np.mean(every**2))) if len(every) else 0.0
+    return [
+        np.array(
+            [
+                old if not name or not usual[name] > 0.0 else usual[name]
+                for name, old in zip(names, sigma, strict=True)
+            ]
+        )
+        for names, sigma in zip(groups, sigmas, strict=True)
+    ]

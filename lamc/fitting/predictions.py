@@ -1,0 +1,183 @@
+"""What a model says of a recording, and how it follows from the unknowns.
+
+In: a run of a setting, values of the unknowns. Out: a `Prediction`: values (m, k) and derivatives (m, k, p). States
+come from `flights`; from there to the sensors it is the chain rule. Dimensions of the drawing are differenced as a
+whole, as another drawing has other bodies, masses and points.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from lamc.fitting.flights import Flight, Runs, Task, difference
+from lamc.fitting.setting import Setting
+from lamc.fitting.signals import Signals, signal_of
+from lamc.fitting.simulators import start_of
+from lamc.run.model import Motion
+from lamc.run.request import Array
+from lamc.run.simulator import Simulator
+
+_START = 1e-5  # rad, rad/s: of differences of starts that close loops
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """values: (m, k), NaN where the run did not come; slopes: (m, k, p), by the unknowns' values, or empty; message:
+    why a run ended early, else empty."""
+
+    values: Array
+    slopes: Array
+    message: str = ""
+
+
+class Predictor:
+    """Predicts the recordings of one setting."""
+
+    def __init__(self, setting: Setting, runs: Runs) -> None:
+        self.setting, self.runs = setting, runs
+        self._signals: dict[tuple[int, int], tuple[Simulator, Signals]] = {}
+
+    def numbers(self, values: Array) -> dict[str, float]:
+        """Values (p,) of the unknowns by name."""
+        return dict(zip(self.setting.unknowns.names, values.tolist(), strict=True))
+
+    def prediction(self, which: int, values: Array, *, sloped: bool, fine: bool = False) -> Prediction:
+        """Of one recording, at values (p,) of the unknowns."""
+        setting, run = self.setting, self.setting.runs[which]
+        at = self.numbers(values)
+        found, flight, task, simulator = self._seen(which, at, sloped=sloped, fine=fine)
+        if flight.message:
+            empty = np.full((len(run.times), len(run.sight.columns)), np.nan)
+            return Prediction(empty, np.zeros((*empty.shape, 0)), flight.message)
+        told, by_signal, by_number = run.sight.tells(found, {**run.numbers, **at})
+        if not sloped:
+            return Prediction(told, np.zeros((*told.shape, 0)))
+        slopes = np.zeros((*told.shape, len(values)))
+        signals = self.signals(which, simulator)
+        by_state = np.einsum(
+            "mkj,mjn->mkn", by_signal, signals.slopes(flight.motion, task.times, flight.rows)
+        )
+        moved = self._movers(which)
+        for place, column in moved.items():
+            slopes[:, :, place] = np.einsum("mkn,mn->mk", by_state, flight.slopes[:, :, column])
+        for place, each in enumerate(setting.unknowns.all):
+            if each.name == f"{run.name}.delay":
+                slopes[:, :, place] = -np.einsum(
+                    "mkn,mn->mk", by_state, _velocity(flight.motion, task.times, flight.rows)
+                )
+            elif each.name in by_number:
+                slopes[:, :, place] = by_number[each.name]
+            elif each.kind == "dimension":
+                slopes[:, :, place] = self._by_dimension(
+                    which, at, each.name, each.size, by_signal, fine=fine
+                )
+        return Prediction(told, slopes)
+
+    def seen(self, which: int, at: Mapping[str, float]) -> tuple[Array, Flight]:
+        """Signals (m, K) of a recording's run at numbers of the unknowns, and the flight."""
+        found, flight, _, _ = self._seen(which, at, sloped=False)
+        return found, flight
+
+    def signals(self, which: int, simulator: Simulator) -> Signals:
+        key = (which, id(simulator))
+        if key not in self._signals:
+            run = self.setting.runs[which]
+            markers = run.recording.markers
+            found = Signals(
+                tuple(signal_of(simulator, name, markers, run.name) for name in run.sight.signals)
+            )
+            self._signals[key] = simulator, found
+        return self._signals[key][1]
+
+    def task(self, which: int, at: Mapping[str, float], *, sloped: bool) -> Task:
+        """The run of a recording, at numbers of the unknowns."""
+        setting, run = self.setting, self.setting.runs[which]
+        unknowns = setting.unknowns.all
+        simulator = setting.simulators.of({u.name: at[u.name] for u in unknowns if u.kind == "dimension"})
+        parameters = {
+            **setting.parameters,
+            **{u.key: at[u.name] for u in unknowns if u.kind == "parameter"},
+            **run.parameters,
+        }
+        angles, rates = dict(run.angles), dict(run.rates)
+        for u in unknowns:
+            if u.owner == run.name and u.kind in ("angle", "rate"):
+                (angles if u.kind == "angle" else rates)[u.key] = at[u.name]
+        y0 = start_of(simulator, angles, rates)
+        times = run.times - at.get(f"{run.name}.delay", run.numbers[f"{run.name}.delay"])
+        times = np.maximum(times, run.begin)
+        if not sloped:
+            return Task(simulator, parameters, y0, run.begin, times)
+        sizes = {
+            u.key: abs(at[u.name]) if u.log or at[u.name] else u.size
+            for u in unknowns
+            if u.kind == "parameter"
+        }
+        moving = [u for u in unknowns if u.owner == run.name and u.kind in ("angle", "rate")]
+        directions = [_direction(simulator, angles, rates, u.kind, u.key, y0) for u in moving]
+        shaped = np.stack(directions, axis=1) if directions else np.zeros((len(y0), 0))
+        return Task(simulator, parameters, y0, run.begin, times, sizes, shaped, np.ones(len(moving)))
+
+    def _movers(self, which: int) -> dict[int, int]:
+        """Places of unknowns that move the state → columns of a flight's slopes."""
+        unknowns, name = self.setting.unknowns.all, self.setting.runs[which].name
+        parameters = [k for k, u in enumerate(unknowns) if u.kind == "parameter"]
+        starts = [k for k, u in enumerate(unknowns) if u.owner == name and u.kind in ("angle", "rate")]
+        return {place: column for column, place in enumerate([*parameters, *starts])}
+
+    def _seen(
+        self, which: int, at: Mapping[str, float], *, sloped: bool, fine: bool = False
+    ) -> tuple[Array, Flight, Task, Simulator]:
+        """Signals (m, K), the flight, its task and simulator."""
+        task = self.task(which, at, sloped=sloped)
+        flight = self.runs.sensitive(task, fine=fine) if sloped else self.runs.flight(task)
+        if flight.message:
+            return np.zeros((0, 0)), flight, task, task.simulator
+        return (
+            self.signals(which, task.simulator).values(flight.motion, task.times, flight.rows),
+            flight,
+            task,
+            task.simulator,
+        )
+
+    def _by_dimension(
+        self, which: int, at: Mapping[str, float], name: str, size: float, by_signal: Array, *, fine: bool
+    ) -> Array:
+        def seen(value: float) -> Array:
+            found, flight, _, _ = self._seen(which, {**at, name: value}, sloped=False)
+            return found if not flight.message else np.full(by_signal.shape[::2], np.nan)
+
+        slopes = difference(seen, at[name], abs(at[name]) or size, fine=fine)
+        return np.asarray(np.einsum("mkj,mj->mk", by_signal, slopes))
+
+
+def _direction(
+    simulator: Simulator,
+    angles: Mapping[str, float],
+    rates: Mapping[str, float],
+    kind: str,
+    joint: str,
+    y0: Array,
+) -> Array:
+    """How the start (n,) follows from an angle or a rate of it."""
+    plain = not simulator.cut_joints and len(simulator.coordinates) == len(simulator.joints)
+    if plain and joint in simulator.joints:
+        found = np.zeros_like(y0)
+        found[simulator.joints.index(joint) + (len(simulator.coordinates) if kind == "rate" else 0)] = 1.0
+        return found
+    ends = []
+    for step in (-_START, _START):
+        moved = {**(angles if kind == "angle" else rates)}
+        usual = getattr(simulator.scene, f"{kind}s").get(joint, 0.0)
+        moved[joint] = moved.get(joint, usual) + step
+        ends.append(
+            start_of(simulator, moved if kind == "angle" else angles, moved if kind == "rate" else rates)
+        )
+    return np.asarray((ends[1] - ends[0]) / (2.0 * _START))
+
+
+def _velocity(motion: Motion, t: Array, rows: Array) -> Array:
+    """Derivatives (m, n) of states by time."""
+    rows = np.ascontiguousarray(rows)
+    return np.hstack([motion.coordinate_rates(rows), motion.accelerations(t, rows)])

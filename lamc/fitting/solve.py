@@ -1,0 +1,201 @@
+"""Least squares: a trust region within bounds, weights that follow the noise, and other starts where the first fails.
+
+In: an objective, a start. Out: a `Solved`. The solver is scipy's (Branch, Coleman & Li 1999, SIAM J. Sci. Comput. 21,
+1-23); it is scaled by the Jacobian (Moré 1978), so that no unit matters.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from lamc.basics.errors import LamcError, RequestError, SimulationError
+from lamc.fitting.objective import Objective, groups_of, told_sigmas
+from lamc.run.request import Array
+
+LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
+_FTOL = _XTOL = 1e-8  # relative: a thousandth of a thousandth of what noise leaves uncertain
+_POOR = 0.1  # share of the data's variance that is left, above which other starts are looked at
+_FAR_OFF = 3.0  # of logarithms: a factor of twenty either way, from where a fit begins
+_SAME = 1.01  # times the best cost: another way to the same place
+_ROUNDS = 4  # of weights
+_SCREENED = 8  # places that are looked at for each start that is gone from
+_SHARES = (1 / 16, 1 / 8, 1 / 4, 1 / 2)  # of recordings, one after the other
+_DEAD = 1e-9  # of the largest column times its range: a gradient that is zero
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """inner: (p,), the solver's vector; cost: half the sum of squares, or of the loss; converged, message: scipy's."""
+
+    inner: Array
+    cost: float
+    converged: bool
+    message: str
+    objective: Objective
+    notes: tuple[str, ...] = ()
+    steps: int = 0
+
+
+def solve(objective: Objective, loss: str, starts: int, seed: int, max_steps: int = 60) -> Solved:
+    """The best fit that is found. Raises SimulationError where no start gives a run, RequestError for unknowns that
+    change nothing."""
+    unknowns = objective.predictor.setting.unknowns
+    begin = _inside(objective, unknowns.within(unknowns.start))
+    check_felt(objective, begin)
+    found = _weighted(objective, begin, loss, max_steps)
+    if _is_poor(found):
+        found = _grown(found, begin, loss, max_steps)
+    if starts > 1 and _is_poor(found):
+        found = _other_starts(found, loss, starts, seed, max_steps)
+    return found
+
+
+def _is_poor(found: Solved) -> bool:
+    return not found.converged or left_over(found.objective, found.inner) > _POOR
+
+
+def _grown(first: Solved, begin: Array, loss: str, max_steps: int) -> Solved:
+    """The better of the first, and of fits of ever longer parts of the recordings: what swings is out of step after a
+    few periods where its numbers are off, and the way back is over hills, but not at its first swing."""
+    objective, inner = first.objective, begin
+    steps = first.steps
+    for share in _SHARES:
+        part = Objective(objective.predictor, objective.sigmas, share)
+        if part.count <= len(begin):
+            continue
+        found = _once(part, inner, loss, max_steps)
+        steps += found.steps
+        inner = found.inner
+    grown = _weighted(Objective(objective.predictor, objective.sigmas), inner, loss, max_steps)
+    share = left_over(grown.objective, grown.inner)
+    if not share < left_over(first.objective, first.inner):
+        return replace(first, steps=steps + grown.steps)
+    note = "the fit of all rows at once found no way; parts from the begin on, each longer, led here"
+    return replace(grown, steps=steps + grown.steps, notes=(note,))
+
+
+def _inside(objective: Objective, begin: Array) -> Array:
+    """The start, or SimulationError where it makes no run."""
+    objective.residual(begin)
+    if objective.failures:
+        raise SimulationError(
+            f"the run from where the fit begins fails: {objective.failures[0]}; begin elsewhere: "
+            "lamc.Free(low, high, start=…)"
+        )
+    return begin
+
+
+def check_felt(objective: Objective, begin: Array) -> None:
+    """Raises RequestError naming unknowns that nothing measured depends on."""
+    jacobian = objective.jacobian(begin)
+    unknowns = objective.predictor.setting.unknowns
+    reach = np.array([1.0 if each.log else each.size for each in unknowns.all])
+    felt = np.linalg.norm(jacobian, axis=0) * reach
+    dead = [
+        name
+        for name, norm in zip(unknowns.names, felt, strict=True)
+        if not norm > _DEAD * float(felt.max(initial=0.0))
+    ]
+    if dead:
+        verb = "changes" if len(dead) == 1 else "change"
+        raise RequestError(
+            f"{' and '.join(map(repr, dead))} {verb} nothing that was recorded (the gradient is zero where the "
+            "fit begins); "
+            "free it no more, begin elsewhere, or record what depends on it"
+        )
+
+
+def _once(objective: Objective, begin: Array, loss: str, max_steps: int) -> Solved:
+    from scipy import optimize  # `import lamc` does without it
+
+    unknowns = objective.predictor.setting.unknowns
+    low, high = unknowns.bounds
+    steps = 0
+
+    def slope(inner: Array) -> Array:
+        nonlocal steps
+        steps += 1
+        return objective.jacobian(inner)
+
+    try:
+        found = optimize.least_squares(
+            objective.residual,
+            begin,
+            slope,
+            bounds=(low, high),
+            x_scale="jac",
+            loss=loss,
+            ftol=_FTOL,
+            xtol=_XTOL,
+            gtol=1e-12,
+            max_nfev=max_steps,
+        )
+    except LamcError as error:
+        return Solved(begin, np.inf, False, error.message, objective)
+    message = {0: f"no end after {max_steps} steps"}.get(found.status, "steps and gains vanish")
+    return Solved(
+        unknowns.within(found.x), float(found.cost), found.status > 0, message, objective, steps=steps
+    )
+
+
+def _weighted(objective: Objective, begin: Array, loss: str, max_steps: int) -> Solved:
+    """With weights that follow what is left, where noise of several kinds is not said."""
+    found = _once(objective, begin, loss, max_steps)
+    setting = objective.predictor.setting
+    names = {name for names in groups_of(objective.predictor) for name in names}
+    has_priors = any(each.free.prior is not None for each in setting.unknowns.all)
+    unsaid = names - {""}
+    if not unsaid or not (len(names) > 1 or has_priors or loss != "linear"):
+        return found
+    steps = found.steps
+    for _ in range(_ROUNDS):
+        if not np.isfinite(found.cost):
+            break
+        predictions = found.objective.predictions(found.inner, sloped=False)
+        sigmas = told_sigmas(objective.predictor, predictions, found.objective.sigmas)
+        change = max(
+            float(np.max(np.abs(np.log(new / old))))
+            for new, old in zip(sigmas, found.objective.sigmas, strict=True)
+        )
+        found = _once(Objective(objective.predictor, sigmas), found.inner, loss, max_steps)
+        steps += found.steps
+        if change < 0.05:  # of the weights: intervals move by less than what they are known to
+            break
+    return replace(found, steps=steps)
+
+
+def left_over(objective: Objective, inner: Array) -> float:
+    """The share of the data's variance that the model leaves; infinite where it makes no run."""
+    left = total = 0.0
+    for run, found in zip(
+        objective.predictor.setting.runs, objective.predictions(inner, sloped=False), strict=True
+    ):
+        sigma = objective.sigmas[objective.predictor.setting.runs.index(run)]
+        residual = (found.values - run.measured) / sigma
+        if found.message:
+            return np.inf
+        left += float(np.nansum(residual**2))
+        total += float(np.nansum(((run.measured - np.nanmean(run.measured, axis=0)) / sigma) ** 2))
+    return left / total if total > 0.0 else 0.0
+
+
+def _other_starts(first: Solved, loss: str, starts: int, seed: int, max_steps: int) -> Solved:
+    """The best of several: the first, and those that a Latin hypercube screens."""
+    objective = first.objective
+    unknowns = objective.predictor.setting.unknowns
+    low, high = unknowns.bounds
+    reach = np.array([_FAR_OFF if each.log else each.size for each in unknowns.all])
+    bottom, top = np.maximum(low, unknowns.start - reach), np.minimum(high, unknowns.start + reach)
+    from scipy.stats import qmc  # half a second to load, and most fits do not need it
+
+    sampler = qmc.LatinHypercube(len(reach), seed=seed)
+    places = bottom + (top - bottom) * sampler.random(_SCREENED * (starts - 1))
+    costs = np.array([float(np.sum(objective.residual(place) ** 2)) for place in places])
+    order = np.argsort(costs, kind="stable")[: starts - 1]
+    found = [first, *(_weighted(objective, places[k], loss, max_steps) for k in order)]
+    best = min(found, key=lambda each: left_over(each.objective, each.inner))
+    share = left_over(best.objective, best.inner)
+    same = sum(left_over(each.objective, each.inner) <= _SAME * share + 1e-12 for each in found)
+    poor = f"the first start left {left_over(first.objective, first.inner):.0%} of the data's variance"
+    note = f"{poor}; {len(found)} starts, {same} of which came here"
+    return replace(best, notes=(*first.notes, note) if best is first else (note,))

@@ -1,0 +1,284 @@
+"""How well a fit knows its numbers: covariance, intervals, correlations, and what the data cannot tell.
+
+In: residuals and their Jacobian at the optimum. Out: an `Account`. Intervals are those of Student's t for the
+linearised model (Seber & Wild, Nonlinear Regression, 1989, ch. 5), of logarithms where logarithms are sought; with a
+robust loss the covariance is Huber's (1981, ch. 7). What cannot be told is a direction of the unknowns along which the
+singular values of the Jacobian vanish, or in which noise leaves more than the numbers themselves.
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from lamc.fitting.unknowns import Unknown, Unknowns
+from lamc.run.request import Array
+
+LEVEL = 0.95
+_NULL = 1e-6  # of the largest singular value: what differences of runs cannot tell from zero
+_VAGUE = 1.0  # of a number's size: it may be twice as large, or nothing
+_PART = 0.05  # of the largest change of the data by one number along a direction, below which it has no part
+_SNAP = 0.02  # of an exponent: to whole numbers and halves
+_AT_BOUND = 1e-6  # of a range
+
+
+@dataclass(frozen=True)
+class Combination:
+    """What the data cannot tell apart. names; shares: of each, along the direction; text: in words."""
+
+    names: tuple[str, ...]
+    shares: tuple[float, ...]
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+
+@dataclass(frozen=True, eq=False)
+class Account:
+    """errors: standard errors (p,) of the solver's vector, inf where nothing is known; intervals (p, 2) of the values;
+    correlations (p, p), NaN where there are none; at_bounds: names of those that stand at a bound."""
+
+    errors: Array
+    intervals: Array
+    correlations: Array
+    unidentifiable: tuple[Combination, ...]
+    at_bounds: tuple[str, ...]
+    noise: float  # standard deviation of weighted residuals
+    freedom: int  # data less unknowns
+
+
+def account_of(unknowns: Unknowns, inner: Array, residual: Array, jacobian: Array, loss: str) -> Account:
+    """residual (N,), jacobian (N, p): weighted, at the optimum `inner` (p,)."""
+    p = len(inner)
+    low, high = unknowns.bounds
+    held = _held(inner, low, high)
+    free = np.flatnonzero(~held)
+    freedom = max(len(residual) - len(free), 1)
+    weights, curves = _loss_of(residual, loss)
+    noise = math.sqrt(float(np.sum(weights * residual**2)) / freedom)
+    sizes = np.array([_size(u, x) for u, x in zip(unknowns.all, inner, strict=True)])
+    scaled = np.sqrt(curves)[:, None] * jacobian * sizes
+    pushed = scaled * (weights * residual / np.sqrt(curves))[:, None] if loss != "linear" else None
+    _, singular, right = np.linalg.svd(scaled[:, free], full_matrices=False)
+    null = singular <= _NULL * float(singular.max(initial=0.0))
+    felt = np.linalg.norm(scaled[:, free], axis=0)
+    found = _combinations(unknowns, inner, free, right[null], sizes, felt)
+    kept = right[~null]
+    spread = (kept.T / singular[~null] ** 2) @ kept
+    covariance = np.full((p, p), np.nan)
+    inside = (
+        spread * noise**2
+        if pushed is None
+        else spread @ (pushed[:, free].T @ pushed[:, free]) @ spread * len(residual) / freedom
+    )
+    covariance[np.ix_(free, free)] = inside * np.outer(sizes[free], sizes[free])
+    errors = np.sqrt(np.diagonal(covariance)).copy()
+    lost = {name for each in found for name in each.names}
+    errors[[k for k in free if unknowns.names[k] in lost]] = np.inf
+    found += _vague(unknowns, inner, free, errors, lost)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        correlations = covariance / np.outer(
+            np.sqrt(np.diagonal(covariance)), np.sqrt(np.diagonal(covariance))
+        )
+    names = tuple(n for n, h in zip(unknowns.names, held, strict=True) if h)
+    intervals = _intervals(unknowns, inner, errors, held, freedom)
+    return Account(errors, intervals, correlations, tuple(found), names, noise, freedom)
+
+
+def _held(inner: Array, low: Array, high: Array) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+    with np.errstate(invalid="ignore"):
+        width = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(inner), 1.0))
+    return np.asarray((inner - low <= _AT_BOUND * width) | (high - inner <= _AT_BOUND * width))
+
+
+def _size(unknown: Unknown, inner: float) -> float:
+    """The change of the solver's number that counts as one: of logarithms one, else of the number's own size."""
+    return (
+        1.0
+        if unknown.log
+        else (
+            abs(inner)
+            if unknown.kind in ("parameter", "dimension", "gain", "scale") and inner
+            else unknown.size
+        )
+    )
+
+
+def _loss_of(residual: Array, loss: str) -> tuple[Array, Array]:
+    """Weights (N,) ρ'(r²) of residuals, and curvatures of the loss, at least a little above zero."""
+    z = residual**2
+    if loss == "linear":
+        return np.ones_like(z), np.ones_like(z)
+    if loss == "soft_l1":
+        first, second = (1.0 + z) ** -0.5, -0.5 * (1.0 + z) ** -1.5
+    elif loss == "huber":
+        first = np.where(z <= 1.0, 1.0, np.maximum(z, 1.0) ** -0.5)
+        second = np.where(z <= 1.0, 0.0, -0.5 * np.maximum(z, 1.0) ** -1.5)
+    elif loss == "cauchy":
+        first, second = 1.0 / (1.0 + z), -1.0 / (1.0 + z) ** 2
+    else:
+        first, second = 1.0 / (1.0 + z**2), -2.0 * z / (1.0 + z**2) ** 2
+    return first, np.maximum(first + 2.0 * second * z, 1e-3)
+
+
+def _intervals(
+    unknowns: Unknowns,
+    inner: Array,
+    errors: Array,
+    held: "np.ndarray[tuple[int], np.dtype[np.bool_]]",
+    freedom: int,
+) -> Array:
+    from scipy.special import stdtrit  # `import lamc` does without it
+
+    reach = float(stdtrit(freedom, 0.5 + 0.5 * LEVEL)) * errors
+    found = np.zeros((len(inner), 2))
+    for k, each in enumerate(unknowns.all):
+        if held[k]:
+            found[k] = np.nan
+        elif np.isinf(reach[k]):
+            found[k] = (0.0, math.inf) if each.log else (-math.inf, math.inf)
+        else:
+            found[k] = each.value(inner[k] - reach[k]), each.value(inner[k] + reach[k])
+    return found
+
+
+def _vague(
+    unknowns: Unknowns,
+    inner: Array,
+    free: "np.ndarray[tuple[int], np.dtype[np.intp]]",
+    errors: Array,
+    lost: set[str],
+) -> list[Combination]:
+    """Numbers that noise leaves no digit of."""
+    found = []
+    for k in free:
+        each = unknowns.all[k]
+        size = _size(each, float(inner[k]))
+        if (
+            each.name not in lost
+            and np.isfinite(errors[k])
+            and errors[k] > _VAGUE * size
+            and each.kind in ("parameter", "dimension")
+        ):
+            share = errors[k] / size
+            text = (
+                f"{each.name} is hardly told by these data: its standard error is {share:.2g} times its size"
+            )
+            found.append(Combination((each.name,), (1.0,), text))
+    return found
+
+
+def _combinations(
+    unknowns: Unknowns,
+    inner: Array,
+    free: "np.ndarray[tuple[int], np.dtype[np.intp]]",
+    null: Array,
+    sizes: Array,
+    felt: Array,
+) -> list[Combination]:
+    """Directions (d, f) without effect, each with as few unknowns as can be, in words. felt: (f,), of each unknown by
+    the data: along such a direction changes of the data cancel, and who takes part is who changes them."""
+    found = []
+    for direction in _sparse(null):
+        changes = np.abs(direction) * felt
+        part = (changes > _PART * float(np.max(changes))) | (np.abs(direction) == np.max(np.abs(direction)))
+        at = free[part]
+        values = unknowns.values(inner)[at]
+        chosen = [unknowns.all[k] for k in at]
+        shares = direction[part] * np.array(
+            [
+                1.0 if u.log else sizes[k] / v if v else np.inf
+                for u, k, v in zip(chosen, at, values, strict=True)
+            ]
+        )
+        plain = (
+            direction[part]
+            * sizes[at]
+            * np.array([v if u.log else 1.0 for u, v in zip(chosen, values, strict=True)])
+        )
+        names = tuple(u.name for u in chosen)
+        found.append(Combination(names, tuple(direction[part].tolist()), _words(names, shares, plain)))
+    return found
+
+
+def _sparse(null: Array) -> list[Array]:
+    """A basis of the same space by elimination with full pivoting: rows with as few numbers as can be."""
+    rows = null.copy()
+    done: list[int] = []
+    for k in range(len(rows)):
+        rest = np.abs(rows[k:].copy())
+        rest[:, done] = 0.0
+        at = np.unravel_index(int(np.argmax(rest)), rest.shape)
+        pivot, column = k + int(at[0]), int(at[1])
+        rows[[k, pivot]] = rows[[pivot, k]]
+        rows[k] /= rows[k, column]
+        for other in range(len(rows)):
+            if other != k:
+                rows[other] -= rows[other, column] * rows[k]
+        done.append(column)
+    return list(rows)
+
+
+def _words(names: tuple[str, ...], shares: Array, plain: Array) -> str:
+    """shares: relative changes along the direction; plain: changes."""
+    whole = " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]
+    if len(names) == 1:
+        return f"{whole}: these data say nothing of it"
+    ratio, difference = _snapped(shares), _snapped(plain)
+    if len(names) == 2:
+        if ratio is not None:
+            return f"{whole}: only their {_of_two(names, ratio)}"
+        if difference is not None and difference[0] == -difference[1]:
+            return f"{whole}: only their sum"
+        if difference is not None and difference[0] == difference[1]:
+            return f"{whole}: only their difference"
+        a, b = plain[1] / plain[0], 1.0
+        return f"{whole}: only {a:+.3g} · {names[0]} {-b:+.3g} · {names[1]} (here)"
+    if ratio is not None and len(set(ratio)) == 1:
+        return f"{whole}: only their ratios"
+    if ratio is not None:
+        told = [f"{n} to the power of {each:g}" for n, each in zip(names, ratio, strict=True)]
+        return f"{whole}: all of them may grow together, {', '.join(told)}; {len(names) - 1} combinations are told"
+    return f"{whole}: only {len(names) - 1} combinations of the {len(names)}"
+
+
+def _of_two(names: tuple[str, ...], ratio: tuple[float, ...]) -> str:
+    a, b = ratio
+    if a == -b:
+        return "product"
+    if a == b:
+        return "ratio"
+    first, second = -b / a, 1.0  # names[0]**first * names[1]**second stays
+    if first > 0.0:
+        return f"product {names[0]}^{first:.3g} · {names[1]}"
+    return f"ratio {names[1]} / {names[0]}^{-first:.3g}" if second else ""
+
+
+def _snapped(shares: Array) -> tuple[float, ...] | None:
+    """Small whole numbers in the ratio of shares; None where there are none."""
+    if not np.isfinite(shares).all() or not np.all(shares):
+        return None
+    for unit in sorted(np.abs(shares)):
+        for part in (1.0, 0.5):
+            found = shares / (unit * part)
+            whole = np.round(found)
+            if (
+                np.all(np.abs(found - whole) <= _SNAP * np.maximum(np.abs(whole), 1.0))
+                and np.max(np.abs(whole)) <= 4.0
+                and np.all(whole)
+            ):
+                return tuple(float(each) for each in whole)
+    return None
+
+
+def correlated(
+    names: tuple[str, ...], correlations: Array, above: float = 0.95
+) -> list[tuple[str, str, float]]:
+    """Pairs that the data tell apart with difficulty."""
+    return [
+        (names[i], names[j], float(correlations[i, j]))
+        for i, j in combinations(range(len(names)), 2)
+        if np.isfinite(correlations[i, j]) and abs(correlations[i, j]) > above
+    ]

@@ -1,0 +1,155 @@
+"""`lamc fit` as a user meets it: from CSV to a scene that runs, held-back recordings, one-line errors."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import lamc
+from lamc.cli import main
+from tests.cli.test_sweep_command import ROD
+from tests.support.ctools import needs_cc
+
+pytestmark = [pytest.mark.usefixtures("unpainted"), needs_cc]
+
+STIFFNESS, DAMPING, DELAY = 3.0, 0.05, 0.007
+
+
+@pytest.fixture(autouse=True)
+def _recordings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two recordings of the rod at 60 frames a second: angles in degrees, and a marker in pixels, some frames lost."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rod.yaml").write_text(ROD, encoding="utf-8")
+    design = lamc.load(tmp_path / "rod.yaml")
+    t = np.arange(121) / 60.0
+    for k, angle in enumerate((0.5, -0.8)):
+        point = lamc.OutputPoint("m", "link", (0.9, 0.0, 0.0))
+        sim = lamc.compile(design, lamc.Scene(angles={"h1": angle}, outputs=(point,)))  # type: ignore[arg-type]
+        run = sim.run(t_end=2.0, t_eval=t, parameters={"h1.stiffness": STIFFNESS, "h1.damping": DAMPING})
+        rng = np.random.default_rng(k)
+        seen = np.degrees(run.angle("h1")) + 0.2 * rng.normal(size=121)
+        p = run.point("m")
+        u, v = (300.0 * c + o + 0.3 * rng.normal(size=121) for c, o in ((p[:, 0], 320.0), (-p[:, 2], 240.0)))
+        lines = ["t [s],angle [deg],spot.x [px],spot.y [px],light"]
+        for i in range(121):
+            dropped = i % 10 == 4
+            cells = [
+                f"{t[i] + DELAY:.6f}",
+                *(["", "", ""] if dropped else [f"{x[i]:.4f}" for x in (seen, u, v)]),
+                "1",
+            ]
+            lines.append(",".join(cells))
+        (tmp_path / f"run{k + 1}.csv").write_text("\n".join(lines), encoding="utf-8")
+
+
+def call(*words: str) -> Result:
+    return CliRunner().invoke(main, list(words), catch_exceptions=False)
+
+
+FIT = (
+    "fit",
+    "rod.yaml",
+    "--map",
+    "angle=h1",
+    "--free",
+    "h1.stiffness",
+    "--free",
+    "h1.damping",
+    "--free",
+    "delay=0:20ms",
+)
+
+
+def test_from_csv_to_a_scene_that_runs() -> None:
+    said = call(*FIT, "--data", "run1.csv", "--angle", "h1=0.5", "--out", "found", "--json")
+    assert said.exit_code == 0, said.output
+    data = json.loads(said.stdout)
+    numbers = {each["name"]: each for each in data["numbers"]}
+    for name, true in (("h1.stiffness", STIFFNESS), ("h1.damping", DAMPING), ("run1.delay", DELAY)):
+        each = numbers[name]
+        assert (
+            each["low"] - 0.5 * (each["high"] - each["low"])
+            < true
+            < each["high"] + 0.5 * (each["high"] - each["low"])
+        )
+    assert sorted(data["files"]) == ["fit.html", "fit.json", "overlay.png", "residuals.png", "scene.yaml"]
+    assert all((Path("found") / name).stat().st_size for name in data["files"])
+    ran = call(
+        "run",
+        "rod.yaml",
+        "--scene",
+        "found/scene.yaml",
+        "--t-end",
+        "1",
+        "--no-pictures",
+        "--out",
+        "ran",
+        "--json",
+    )
+    assert ran.exit_code == 0, ran.output
+    assert json.loads(ran.stdout)["parameters"]["h1.stiffness"] == numbers["h1.stiffness"]["value"]
+    assert json.loads(ran.stdout)["angles"] == {"h1": 0.5}
+
+
+def test_a_camera_of_unknown_place_and_a_recording_held_back() -> None:
+    words = (
+        "--data",
+        "run1.csv",
+        "--data",
+        "run2.csv",
+        "--hold-out",
+        "run2.csv",
+        "--map",
+        "spot=link@(0.9, 0, 0)",
+    )
+    said = call(*FIT, *words, "--frame", "x,-z", "--free", "angles.h1=-1.5:1.5", "--json", "--no-pictures")
+    assert said.exit_code == 0, said.output
+    data = json.loads(said.stdout)
+    values = {each["name"]: each["value"] for each in data["numbers"]}
+    assert values["camera.scale"] == pytest.approx(300.0, rel=0.01)  # 0.3 of 300 pixels, 100 rows
+    assert values["camera.origin_x"] == pytest.approx(320.0, abs=1.0)
+    assert values["run1.angles.h1"] == pytest.approx(0.5, abs=0.01)
+    held = next(each for each in data["recordings"] if each["name"] == "run2")
+    assert held["held_back"]
+    assert held["of_variance"]["h1"] < 0.001
+
+
+def test_the_summary_names_what_was_found() -> None:
+    said = call(*FIT, "--data", "run1.csv", "--angle", "h1=0.5", "--no-pictures")
+    assert "95 % interval" in said.stdout
+    assert "not read   light, spot.x, spot.y" in said.stdout
+    assert "--scene out/rod_fit/scene.yaml" in said.stdout
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--free", "h1.stiffness"), "name recordings with --data"),
+        (("--data", "run1.csv", "--map", "angle=h1"), "nothing is free"),
+        (("--data", "nowhere.csv", "--free", "h1.stiffness"), "nowhere.csv"),
+        (("--data", "run1.csv", "--free", "h1.stiffness"), "no column that the model knows"),
+        (("--data", "run1.csv", "--free", "h1.stiffness", "--map", "angel=h1"), "did you mean 'angle'"),
+        (
+            ("--data", "run1.csv", "--free", "h1.stiffness", "--map", "spot=link@(1,0,0)"),
+            "in pixels.*--frame x,-z",
+        ),
+        (
+            ("--data", "run1.csv", "--free", "h1.stiffness", "--map", "angle=h1", "--free", "delay"),
+            "needs a range",
+        ),
+        (("--data", "run1.csv", "--data", "run1.csv", "--free", "h1.stiffness"), "twice"),
+        (
+            ("--data", "run1.csv", "--hold-out", "run1.csv", "--free", "h1.stiffness", "--map", "angle=h1"),
+            "held back",
+        ),
+        (("--data", "run1.csv", "--free", "h1.stiffness=3:2", "--map", "angle=h1"), "runs backwards"),
+    ],
+)
+def test_errors_are_one_line(words: tuple[str, ...], message: str) -> None:
+    said = call("fit", "rod.yaml", "--quiet", *words)
+    assert said.exit_code == 2, said.output
+    assert len(said.stderr.strip().splitlines()) == 1
+    assert re.search(message, said.stderr), said.stderr

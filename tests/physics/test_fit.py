@@ -1,0 +1,253 @@
+"""Fits of recordings that a model made itself: what is told comes back, and what is not told is named."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import lamc
+from lamc.fitting.predictions import Predictor
+from lamc.fitting.setting import setting_of
+from lamc.fitting.simulators import Simulators
+
+EXAMPLES = Path(__file__).parents[2] / "lamc/examples"
+TRUE = {"h1.stiffness": 120.0, "h2.stiffness": 80.0, "h1.damping": 7.0, "h2.damping": 12.0}
+T = np.linspace(0.01, 2.0, 200)
+NOISE = 0.01  # rad
+
+
+@pytest.fixture(scope="module")
+def design() -> lamc.Design:
+    design = lamc.load(EXAMPLES / "pendulum.yaml")
+    assert isinstance(design, lamc.Design)
+    return design
+
+
+def angles(
+    design: lamc.Design, t: np.ndarray = T, seed: int = 0, noise: float = NOISE, **scene: object
+) -> dict[str, np.ndarray]:
+    """Angles of all hinges with TRUE, and noise."""
+    result = lamc.compile(design, lamc.Scene(**scene)).run(t_end=float(t[-1]), t_eval=t, parameters=TRUE)  # type: ignore[arg-type]
+    rng = np.random.default_rng(seed)
+    return {name: result.angle(name) + noise * rng.normal(size=len(t)) for name in result.joints}
+
+
+def one_link(stiffness: float = 2e-3, damping: float = 1e-5) -> lamc.Mechanism:
+    """A flap of 2 g whose centre of mass is 20 mm below a hinge along y."""
+    ground = lamc.Body(name="ground", fixed=True)
+    flap = lamc.Body(name="flap", mass=2e-3, com=(0.0, 0.0, -0.02), inertia=np.diag([4e-7, 4e-7, 1e-8]))
+    hinge = lamc.Joint(
+        name="h", parent="ground", child="flap", axis=(0.0, 1.0, 0.0), stiffness=stiffness, damping=damping
+    )
+    return lamc.Mechanism(name="flap", bodies=(ground, flap), joints=(hinge,))
+
+
+def test_stiffness_and_damping_of_a_flap_that_scipy_swung() -> None:
+    """The recording is made by nobody here: I q̈ = -m g c sin q - k q - d q̇, by scipy."""
+    m, c, g, k, d = 2e-3, 0.02, 9.81, 3e-3, 2e-5
+    inertia = 4e-7 + m * c * c
+
+    def swing(_t: float, y: np.ndarray) -> list[float]:
+        return [y[1], (-m * g * c * np.sin(y[0]) - k * y[0] - d * y[1]) / inertia]
+
+    t = np.linspace(0.0, 1.0, 201)
+    q = solve_ivp(swing, (0.0, 1.0), [0.5, 0.0], t_eval=t, rtol=1e-11, atol=1e-13).y[0]
+    fit = lamc.fit(
+        one_link(), lamc.Recording(t, {"h": q}), ["h.stiffness", "h.damping"], lamc.Scene(angles={"h": 0.5})
+    )
+    assert fit.values["h.stiffness"] == pytest.approx(k, rel=1e-8)  # runs of 1e-10 a step, some 1e3 steps
+    assert fit.values["h.damping"] == pytest.approx(d, rel=1e-7)  # a hundredth of the torque
+    assert fit.converged
+    assert not fit.unidentifiable
+
+
+def test_what_is_told_comes_back(design: lamc.Design) -> None:
+    fit = lamc.fit(design, [lamc.Recording(T, angles(design))], list(TRUE))
+    for name, true in TRUE.items():
+        low, high = fit.intervals[name]
+        assert low < fit.values[name] < high
+        assert (
+            low - 0.2 * (high - low) < true < high + 0.2 * (high - low)
+        )  # 95 % intervals: 3 standard errors here
+    rms = np.sqrt(np.mean([each**2 for each in fit.compared[0].rms.values()]))
+    assert rms == pytest.approx(NOISE, rel=0.1)  # 600 numbers: 3 % is one standard deviation
+    run = lamc.compile(fit.design, fit.scene).run(t_end=1.0, t_eval=[1.0])
+    assert run.provenance.parameters["h1.stiffness"] == fit.values["h1.stiffness"]
+    assert not fit.notes
+
+
+def test_errors_are_those_of_repeated_fits(design: lamc.Design) -> None:
+    """Standard errors against the scatter of 30 fits."""
+    fits = [lamc.fit(design, lamc.Recording(T, angles(design, seed=k)), list(TRUE)) for k in range(30)]
+    for name in TRUE:
+        scatter = np.std([np.log(fit.values[name]) for fit in fits], ddof=1)
+        # A standard deviation of 30 numbers is known to 13 %: three times that.
+        assert np.mean([fit.errors[name] for fit in fits]) == pytest.approx(scatter, rel=0.4)
+
+
+def test_slopes_are_those_of_coarse_differences(design: lamc.Design) -> None:
+    """Chain rule through a slanted camera, delay, gain and bias, against differences of whole predictions."""
+    camera = lamc.Camera(
+        ("x", "-z"), scale=lamc.Free(100.0, 900.0, start=300.0), rotation=(0.1, lamc.Free(-1, 1, 0.2), 0.3),
+        origin=(lamc.Free(), 240.0),
+    )  # fmt: skip
+    recording = lamc.Recording(
+        T,
+        {"m.x": 0.0 * T, "m.y": 0.0 * T, "h1": 0.0 * T, "h2.rate": 0.0 * T},
+        name="a",
+        start="estimated",
+        markers={"m": "link_2@(1.5 m, 0.2 m, 0.1 m)"},
+        camera=camera,
+        delay=(-0.02, 0.02),
+        gain={"h1": (0.5, 2.0), "m.x": (0.5, 2.0)},
+        bias={"h2.rate": (-1.0, 1.0)},
+    )
+    setting = setting_of(
+        Simulators(design, None), [recording], {"h1.stiffness": None, "h2.damping": (1.0, 30.0)}, {}
+    )
+    from lamc.fitting.flights import Differences
+
+    predictor = Predictor(setting, Differences())
+    at = np.array([each.start for each in setting.unknowns.all])
+    at[setting.unknowns.names.index("a.delay")] = 0.003
+    slopes = predictor.prediction(0, at, sloped=True, fine=True).slopes
+    for k, each in enumerate(setting.unknowns.all):
+        step = 1e-4 * max(abs(at[k]), 0.1)
+        ends = [
+            predictor.prediction(0, at + s * step * np.eye(len(at))[k], sloped=False).values
+            for s in (-1.0, 1.0)
+        ]
+        expected = (ends[1] - ends[0]) / (2.0 * step)
+        error = np.max(np.abs(slopes[:, :, k] - expected), axis=0)
+        size = np.max(np.abs(expected)) + 1e-12
+        assert np.all(error < 1e-5 * size), each.name  # central differences miss 1e-8 times third derivatives
+
+
+def test_a_product_is_named_and_not_guessed(design: lamc.Design) -> None:
+    both = lamc.Recording(
+        T,
+        {"m.x": 1e3 * angles(design)["h1"]},
+        markers={"m": "link_1@(1 m, 0.5 m, 0.5 m)"},
+        camera=lamc.Camera(("z", "x"), scale=lamc.Free(100.0, 2000.0, start=900.0)),
+        gain={"m.x": lamc.Free(0.1, 10.0, start=1.2)},
+    )
+    told = lamc.fit(design, both, {"h1.damping": None}, starts=1)
+    assert [str(each) for each in told.unidentifiable] == [
+        "run1.m.x.gain and camera.scale: only their product"
+    ]
+    assert told.intervals["camera.scale"][1] == np.inf
+
+
+def test_a_common_factor_is_named(design: lamc.Design) -> None:
+    """Angles of a pendulum tell no scale of forces: all stiffness, damping and masses may grow together."""
+    free = dict.fromkeys(
+        ("h1.stiffness", "h2.stiffness", "h3.stiffness", "h1.damping", "h2.damping", "h3.damping")
+    )
+    masses = {f"link_{k}.{what}": None for k in (1, 2, 3) for what in ("mass", "inertia_zz")}
+    fit = lamc.fit(design, lamc.Recording(T, angles(design, noise=1e-4)), {**free, **masses}, starts=1)
+    names = [set(each.names) for each in fit.unidentifiable]
+    assert any({"h1.stiffness", "h2.stiffness", "link_3.mass"} <= each for each in names)
+
+
+def test_gaps_are_left_out(design: lamc.Design) -> None:
+    values = angles(design)
+    values["h2"][50:150] = np.nan
+    values["h3"][::2] = np.nan
+    fit = lamc.fit(design, lamc.Recording(T, values), list(TRUE))
+    assert fit.setting.count == 200 + 100 + 100
+    assert fit.values["h1.stiffness"] == pytest.approx(120.0, rel=0.02)  # 3 standard errors are 1 %
+
+
+def test_recordings_with_starts_delays_and_biases_of_their_own(design: lamc.Design) -> None:
+    first, second = angles(design), angles(design, seed=1, angles={"h1": 0.6})
+    late = T + 0.007
+    data = [
+        lamc.Recording(late, first, name="a", delay=(-0.02, 0.02)),
+        lamc.Recording(
+            T, {**second, "h2": second["h2"] + 0.3}, name="b", start="estimated", bias={"h2": (-1.0, 1.0)}
+        ),
+    ]
+    fit = lamc.fit(design, data, list(TRUE))
+    assert fit.values["a.delay"] == pytest.approx(0.007, abs=0.001)
+    assert fit.values["b.angles.h1"] == pytest.approx(
+        angles(design, noise=0.0, angles={"h1": 0.6})["h1"][0], abs=0.02
+    )
+    assert fit.values["b.h2.bias"] == pytest.approx(0.3, abs=0.05)
+    assert fit.values["h1.stiffness"] == pytest.approx(120.0, rel=0.02)
+
+
+def test_outliers_count_less_with_a_robust_loss(design: lamc.Design) -> None:
+    values = angles(design)
+    rng = np.random.default_rng(5)
+    for column in values.values():
+        column[rng.integers(0, len(T), 10)] += 2.0
+    plain = lamc.fit(design, lamc.Recording(T, values), list(TRUE), starts=1)
+    robust = lamc.fit(design, lamc.Recording(T, values, sigma=NOISE), list(TRUE), loss="soft_l1")
+    off = {n: [abs(np.log(f.values[n] / TRUE[n])) for f in (plain, robust)] for n in TRUE}
+    assert all(r < 0.05 for _, r in off.values())
+    assert sum(r for _, r in off.values()) < 0.3 * sum(p for p, _ in off.values())
+    low, high = robust.intervals["h1.stiffness"]
+    assert low < 120.0 < high
+    assert high - low < 0.3 * np.subtract(*reversed(plain.intervals["h1.stiffness"]))
+
+
+def test_a_prior_holds_what_the_data_do_not_tell() -> None:
+    t = np.linspace(0.0, 1.0, 101)
+    scene = lamc.Scene(angles={"h": 0.3})
+    q = lamc.compile(one_link(), scene).run(t_end=1.0, t_eval=t).angle("h")
+    q = q + 1e-3 * np.random.default_rng(0).normal(size=len(t))
+    free = {
+        "h.stiffness": None,
+        "gravity.z": lamc.Free(-12.0, -8.0),
+        "flap.mass": "2 g ± 0.02 g",
+        "flap.inertia_zz": None,
+    }
+    fit = lamc.fit(one_link(), lamc.Recording(t, {"h": q}), {**free, "h.damping": None}, scene, starts=1)
+    assert fit.values["flap.mass"] == pytest.approx(2e-3, rel=1e-2)
+    low, high = fit.intervals["flap.mass"]
+    assert high - low == pytest.approx(4.0 * 2e-5, rel=0.15)  # twice 1.98 standard deviations of the prior
+
+
+def test_dimensions_of_a_drawing_are_found() -> None:
+    def flap(length: float = 0.02) -> lamc.Mechanism:
+        """A flap that is longer: mass, centre and inertia of a thin strip."""
+        m = 0.1 * length
+        ground = lamc.Body(name="ground", fixed=True)
+        body = lamc.Body(
+            name="flap",
+            mass=m,
+            com=(0.0, 0.0, -0.5 * length),
+            inertia=np.diag([m * length**2 / 12.0] * 2 + [1e-9]),
+        )
+        hinge = lamc.Joint(name="h", parent="ground", child="flap", axis=(0.0, 1.0, 0.0), stiffness=1e-3)
+        return lamc.Mechanism(name="flap", bodies=(ground, body), joints=(hinge,))
+
+    t = np.linspace(0.0, 0.5, 101)
+    scene = lamc.Scene(angles={"h": 0.3})
+    result = lamc.compile(flap(0.023), scene).run(t_end=0.5, t_eval=t)
+    com = result.pose("flap")[0]
+    recording = lamc.Recording(t, {"h": result.angle("h"), "flap.x": com[:, 0]})
+    fit = lamc.fit(flap, recording, {"length": (0.015, 0.03), "h.stiffness": None}, scene)
+    assert fit.values["length"] == pytest.approx(0.023, rel=1e-6)
+    assert fit.dimensions == {"length": fit.values["length"]}
+
+
+def test_loops_start_where_they_are_told_to() -> None:
+    design = lamc.load(EXAMPLES / "four_bar.yaml")
+    sim = lamc.compile(design)  # type: ignore[arg-type]
+    name = next(n for n in sim.parameters if n.endswith(".damping"))
+    joint = next(iter(sim.scene.angles))
+    t = np.linspace(0.0, 0.3, 61)
+    result = sim.run(t_end=0.3, t_eval=t, parameters={name: 2.0 * sim.parameters[name]})
+    recording = lamc.Recording(t, {n: result.angle(n) for n in result.joints}, angles={joint: (-3.0, 3.0)})
+    fit = lamc.fit(design, recording, [name])  # type: ignore[arg-type]
+    assert fit.values[name] == pytest.approx(2.0 * sim.parameters[name], rel=1e-5)
+    assert fit.values[f"run1.angles.{joint}"] == pytest.approx(sim.scene.angles[joint], abs=1e-6)
+
+
+def test_residuals_that_are_no_noise_are_told(design: lamc.Design) -> None:
+    values = angles(design)
+    wave = {name: column + 0.03 * np.sin(8.0 * T) for name, column in values.items()}
+    fit = lamc.fit(design, lamc.Recording(T, wave), list(TRUE))
+    assert any("alike from row to row" in note for note in fit.notes)

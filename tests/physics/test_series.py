@@ -21,6 +21,7 @@ from lamc.ledger.bench import measure
 from lamc.reference.check import check
 from lamc.reference.interpreter import Interpreter
 from lamc.run.simulator import Simulator
+from tests.support.closed_mechanisms import closed_mechanism
 from tests.support.ctools import needs_cc
 from tests.support.mechanisms import chain, random_state
 
@@ -410,3 +411,24 @@ def test_what_takes_numbers_for_inputs_refuses_a_series() -> None:
     scene = driven(Series(TIMES, VALUES)).scene
     with pytest.raises(UnsupportedError, match="the input 'command' follows a series"):
         measure(pendulum(), scene, lamc.CompileOptions(), lambda _stage: None)
+
+
+@pytest.mark.parametrize("hold", ["previous", "cubic"])
+def test_loops_follow_a_series(hold: str) -> None:
+    made = closed_mechanism("planar", 3)
+    mechanism = made.mechanism
+    joint = mechanism.joints[0].name
+    effects: tuple[object, ...] = (Torque({joint: "command"}), Gravity(), HingeDamping())
+    inputs = {"command": Input(unit="N*m", series=Series(TIMES, VALUES, hold))}
+    if hold == "cubic":
+        effects = (*effects, BaseMotion(displacement=("0.05*path", 0.0, "0.02*sin(path)")))
+        inputs["path"] = Input(unit="m", series=Series(TIMES, VALUES[::-1].copy(), "cubic"))
+    scene = Scene(effects=effects, inputs=inputs)  # type: ignore[arg-type]
+    sim = lamc.compile(mechanism, scene)
+    assert check(sim, states=5, t_end=0.5).passed
+    runs = [sim.run(t_end=0.5, integrator=each, rtol=1e-10, atol=1e-12) for each in (*EXPLICIT, *IMPLICIT)]
+    for run in runs:
+        assert run.success
+        assert run.q[-1] == pytest.approx(
+            runs[0].q[-1], abs=1e-7
+        )  # some hundred steps at 1e-10 each, and loops

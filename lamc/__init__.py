@@ -35,6 +35,7 @@ from lamc.design.split import split
 from lamc.effects import (
     BaseMotion,
     BladeElementDrag,
+    Cable,
     Effect,
     ExternalTorque,
     FlexibleLinks,
@@ -48,6 +49,7 @@ from lamc.effects import (
     NonlinearStiffness,
     PiezoBender,
     RestAngle,
+    Servo,
     Spring,
     Torque,
     TwistCompliance,
@@ -68,9 +70,13 @@ from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.parameters import DesignParameter
 from lamc.records.recording import Camera, Free, Marker, Recording
 from lamc.records.scene import OutputPoint, Scene
+from lamc.records.series import Series
 from lamc.run.ensemble import Ensemble
+from lamc.run.equilibrium import Equilibrium
+from lamc.run.linear_model import LinearModel
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
+from lamc.run.vibration import Modes
 from lamc.studies.optimise import optimise
 from lamc.studies.sweep import sweep
 
@@ -79,6 +85,7 @@ __all__ = [
     "BladeElementDrag",
     "Body",
     "BuildError",
+    "Cable",
     "Camera",
     "Card",
     "CompileOptions",
@@ -89,6 +96,7 @@ __all__ = [
     "Effect",
     "EmitError",
     "Ensemble",
+    "Equilibrium",
     "ExportError",
     "ExportOptions",
     "ExpressionError",
@@ -107,10 +115,12 @@ __all__ = [
     "JointLimits",
     "LamcError",
     "Limits",
+    "LinearModel",
     "LinearMotor",
     "Marker",
     "Material",
     "Mechanism",
+    "Modes",
     "NonlinearStiffness",
     "OutputPoint",
     "PiezoBender",
@@ -119,6 +129,8 @@ __all__ = [
     "RestAngle",
     "Result",
     "Scene",
+    "Series",
+    "Servo",
     "SimulationError",
     "Simulator",
     "Slab",

@@ -13,6 +13,7 @@ from lamc.basics._version import __version__
 from lamc.commands.export_options import export
 from lamc.commands.fit_options import fit
 from lamc.commands.ledger_options import ledger
+from lamc.commands.modes_options import modes
 from lamc.commands.optimise_options import optimise
 from lamc.commands.options import (
     SETTINGS,
@@ -56,6 +57,7 @@ def main(context: click.Context) -> None:
       lamc view --example pendulum     a page that shows it in 3D, with sliders
       lamc sweep --example pendulum    run it at many points, and measure each run
       lamc optimise STUDY.yaml         find the parameters for which a measure is least
+      lamc modes --example four_bar    where it rests, and how it vibrates about it
       lamc check --example pendulum    compare generated C, interpreter and an independent formulation
       lamc ledger --example four_bar   what accuracy costs, and which effects matter
       lamc export --example pendulum   sources for programs in C, C++ and other languages
@@ -241,6 +243,7 @@ main.add_command(fit)
 main.add_command(ledger)
 main.add_command(new)
 main.add_command(optimise)
+main.add_command(modes)
 main.add_command(plate)
 main.add_command(run)
 main.add_command(sweep)

@@ -1,8 +1,8 @@
 """The compiler on one page: each stage takes the previous stage's record.
 
-load → split → plan → derive → lower → emit → build. Before `derive` the drawing is surveyed: where the cache knows a
-module of its structure, the survey gives the numbers, and nothing is derived. What is remembered between two calls is
-the cache, and `plan`'s last tree, of a mechanism that cannot change.
+load → split → plan → survey → derive → lower → emit → build. The survey tells a design's numbers from its structure:
+where the cache has the structure, they go to its code, and nothing after it is done. Between two calls nothing is
+remembered but the cache, the code that is loaded from it, and the last mechanism's tree, which follows from it alone.
 """
 
 import logging
@@ -27,7 +27,7 @@ from lamc.loops.kept import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.surveys import LARGE
 from lamc.loops.yielding import rigid_scene
-from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.arrangement import Arrangement, arrange
 from lamc.mechanics.survey import Survey, can_survey, survey_design
 from lamc.mechanics.tangents import Columns
 from lamc.mechanism.plan import plan
@@ -151,10 +151,15 @@ def _compiled(
 ) -> Simulator:
     """loops: what the mechanism's loops come to; None: counted, if it has any."""
     effects = effects_of(mechanism, scene)
+
+    @remembered
+    def arranged() -> Arrangement:
+        return arrange(plan(mechanism), effects)
+
     common = None if cache.passing else common_digest(mechanism, effects)
     if loops is None and len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
-            loops = _loops_of(mechanism, effects, scene, cache, common)
+            loops = _loops_of(mechanism, arranged(), effects, scene, cache, common)
     compiler = find_compiler(options.compiler, flags=options.flags)
 
     @remembered
@@ -173,7 +178,7 @@ def _compiled(
 
     @remembered
     def surveyed() -> Survey | None:
-        arrangement = arrange(plan(mechanism), effects)
+        arrangement = arranged()
         with times.stage("numbers"):
             return (
                 survey_design(arrangement, effects, loops, scene.inputs) if can_survey(arrangement) else None
@@ -263,10 +268,14 @@ def _on_branch(
 
 
 def _loops_of(
-    mechanism: Mechanism, effects: tuple[Effect, ...], scene: Scene, cache: Cache, common: bytes | None
+    mechanism: Mechanism,
+    arrangement: Arrangement,
+    effects: tuple[Effect, ...],
+    scene: Scene,
+    cache: Cache,
+    common: bytes | None,
 ) -> LoopCount:
     """What the loops come to that no bushing holds. Where hinges or bodies yield, rigid loops may leave no freedom."""
-    arrangement = arrange(plan(mechanism), effects)
     known = (*arrangement.tree.joint_names, *(joint.name for joint in mechanism.joints))
     check_names(scene, tuple(dict.fromkeys(known)))
 

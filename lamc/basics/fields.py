@@ -13,7 +13,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, lru_cache, partial
 from types import NoneType
 from typing import Annotated, Any, Literal, Protocol, TypeVar, get_args, get_origin
 
@@ -157,6 +157,12 @@ class Expressions(Protocol):
         parameters' alone, and so a number. Raises DesignError."""
 
 
+@lru_cache(maxsize=1024)
+def _quantity(name: str, unit: str) -> Quantity:
+    """A kind of number that has the name of its field."""
+    return Quantity(name, unit, units.EXAMPLES.get(unit) or f"0.5 {unit}".rstrip())
+
+
 def is_measured(text: str) -> bool:
     """True for a number with a unit, which no expression looks like."""
     return _MEASURED.match(text) is not None
@@ -194,9 +200,8 @@ class Unit:
             value = (
                 float(value) if isinstance(value, numbers.Rational) and not isinstance(value, int) else value
             )
-        kind, plain = self.unit, self.si
-        if isinstance(kind, str):
-            kind = Quantity(name, plain, units.EXAMPLES.get(plain) or f"0.5 {plain}".rstrip())
+        plain = self.si
+        kind = self.unit if isinstance(self.unit, Quantity) else _quantity(name, plain)
         context = context or {}
         bare = context.get(LENGTH_UNIT) if plain == "m" else None
         expressions: Expressions | None = context.get(EXPRESSIONS)
@@ -204,18 +209,24 @@ class Unit:
             number = expressions.number(value, kind, bare) + 0.0
         else:
             number = to_si(value, kind, bare) + 0.0
-        for rule, words in _RULES.items():
-            bound = getattr(self, rule)
-            if bound is not None and not getattr(operator, rule)(number, bound):
+        for rule, bound in self._bounds:
+            if not getattr(operator, rule)(number, bound):
+                words = _RULES[rule]
                 reported = f"the {kind.name} is {number:g} {plain}".rstrip()
                 raise DesignError(f"{reported}; it must be {words} {bound:g}")
         return number
 
-    @property
+    @cached_property
     def si(self) -> str:
         """The unit, empty for a plain number."""
         unit = self.unit.unit if isinstance(self.unit, Quantity) else self.unit
         return "" if unit == "1" else unit
+
+    @cached_property
+    def _bounds(self) -> tuple[tuple[str, float], ...]:
+        """Those that there are, by their rules."""
+        found = ((rule, getattr(self, rule)) for rule in _RULES)
+        return tuple((rule, bound) for rule, bound in found if bound is not None)
 
     def _validated(self, kind: Any, value: Any, info: ValidationInfo) -> Any:
         name, context = info.field_name or "value", info.context or {}
@@ -367,6 +378,12 @@ def _names(value: Any, what: str) -> tuple[str, ...]:
     return names
 
 
+def _names_in_a_row(value: Any, what: str) -> tuple[str, ...]:
+    if not is_list(value) or not len(value):
+        raise DesignError(f"{what} are {shown(value)}; give a list of names")
+    return tuple(checked_name(name, f"an entry of {what}") for name in value)
+
+
 def _whole(value: Any, what: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise DesignError(f"{what} is {shown(value)}; it must be a whole number")
@@ -375,6 +392,7 @@ def _whole(value: Any, what: str) -> int:
 
 Name = Annotated[str, checked(checked_name)]
 Names = Annotated[tuple[str, ...], checked(_names)]  # none twice
+NamesInARow = Annotated[tuple[str, ...], checked(_names_in_a_row)]  # one may stand there again
 Flag = Annotated[bool, checked(checked_flag)]
 Whole = Annotated[int, checked(_whole)]
 Vector = tuple[float, float, float]

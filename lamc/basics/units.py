@@ -114,6 +114,7 @@ def _as_float(value: int | float) -> float:
         return math.inf
 
 
+@lru_cache(maxsize=4096)  # files are full of the same few, and studies read them again and again
 def _split(text: str, quantity: Quantity) -> tuple[float, str]:
     if len(text) > LONGEST:
         raise DesignError(
@@ -153,20 +154,26 @@ def check_unit(unit: str, quantity: Quantity) -> None:
 
 
 def _scaled(number: float, unit: str, quantity: Quantity) -> float:
-    factor = 1.0 if unit == quantity.unit else _factor(unit, quantity)
-    # pint's factors carry round-off (g/cm^3 is 999.9999999999999 kg/m^3); those of SI prefixes are whole, or
-    # one over a whole number. Dividing by a whole number rounds once: 19.8 mm is 0.0198 m to the last digit.
-    if factor >= 1.0:
-        whole = round(factor)
-        result = number * (whole if abs(whole / factor - 1.0) < _ROUND_OFF else factor)
-    else:
-        whole = round(min(1.0 / factor, 1e18))
-        result = number / whole if abs(whole * factor - 1.0) < _ROUND_OFF else number * factor
+    by, divides = _scale(unit, quantity)
+    result = number / by if divides else number * by
     if not abs(result) < LARGEST:
         raise DesignError(
             f"the {quantity.name} {number!r} {unit} is {LARGEST:g} {quantity.unit} or more; no design is"
         )
     return result
+
+
+@lru_cache(maxsize=1024)
+def _scale(unit: str, quantity: Quantity) -> tuple[float, bool]:
+    """What takes a number from `unit` to SI, and whether it divides."""
+    factor = 1.0 if unit == quantity.unit else _factor(unit, quantity)
+    # pint's factors carry round-off (g/cm^3 is 999.9999999999999 kg/m^3); those of SI prefixes are whole, or
+    # one over a whole number. Dividing by a whole number rounds once: 19.8 mm is 0.0198 m to the last digit.
+    if factor >= 1.0:
+        whole = round(factor)
+        return (whole if abs(whole / factor - 1.0) < _ROUND_OFF else factor), False
+    whole = round(min(1.0 / factor, 1e18))
+    return (whole, True) if abs(whole * factor - 1.0) < _ROUND_OFF else (factor, False)
 
 
 @lru_cache(maxsize=1024)

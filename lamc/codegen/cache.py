@@ -210,11 +210,18 @@ def intact(folder: Path) -> bool:
 
 def stamps(folder: Path) -> tuple[tuple[str, int, int], ...]:
     """Name, size and time of each file of an entry: what a change of it changes, but for a change that hides."""
-    found = []
-    for place, _, names in os.walk(folder):
-        for name in names:
-            status = os.stat(os.path.join(place, name))
-            found.append((os.path.join(place, name), status.st_size, status.st_mtime_ns))
+    found, folders = [], [os.fspath(folder)]
+    while folders:
+        try:
+            entries = list(os.scandir(folders.pop()))
+        except OSError:
+            continue  # as nothing
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                folders.append(entry.path)
+            else:
+                status = entry.stat()
+                found.append((entry.path, status.st_size, status.st_mtime_ns))
     return tuple(sorted(found))
 
 

@@ -19,6 +19,7 @@ from lamc.basics.resources import data_dir
 from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifier, identifiers, string_literal
 from lamc.codegen.printer import REAL, ShapePrinter, literal
+from lamc.codegen.recording import Recording, recording_context
 from lamc.codegen.sine_cosine import CALLS
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.pattern import Pattern
@@ -82,15 +83,23 @@ class CParameter:
 
 
 @collector_paused
-def emit(program: Program, precision: str = "double", prefix: str = "", number: str = "double") -> SourceTree:
+def emit(
+    program: Program,
+    precision: str = "double",
+    prefix: str = "",
+    number: str = "double",
+    recording: Recording | None = None,
+) -> SourceTree:
     """C of `program`, accelerations in "double" or "float". Raises EmitError where an operation has no C form.
 
     prefix: of the model's names and of its files; empty: from the name of the program
     number: type of all numbers; REAL where they may become float
+    recording: what its inputs follow over time; None: whoever runs it brings that
     """
     runtime = _runtime()
     prefix = prefix or identifier(program.name, taken=[Path(name).stem for name in runtime])
     context = _context(program, prefix, precision, number)
+    context["recording"] = recording_context(recording, number) if recording is not None else None
     files = {
         f"{prefix}.h": environment().get_template("model.h.j2").render(context),
         f"{prefix}.c": environment().get_template("model.c.j2").render(context),
@@ -186,10 +195,12 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
             "parameter_units": [string_literal(p.unit) for p in program.parameters] or ['""'],
             **({"guard_names": [string_literal(g.name) for g in program.guards]} if program.guards else {}),
             **({"power_names": [string_literal(p) for p in program.powers]} if program.powers else {}),
+            **({"series_names": [string_literal(s.name) for s in program.series]} if program.series else {}),
             "energy_names": [string_literal(e) for e in program.energies] or ['""'],
         },
         "counts": _counts(program),
         "guard_modes": [g.mode for g in program.guards],
+        "series_orders": [each.order for each in program.series],
         "jacobian_cost": literal(program.jacobian_cost, number),
         "present": sorted(program.functions),
         "tables": look_ups(program, number),
@@ -280,4 +291,5 @@ def _counts(program: Program) -> dict[str, int]:
         "energies": len(program.energies),
         "guards": len(program.guards),
         "tables": len(program.tables),
+        "series": len(program.series),
     }

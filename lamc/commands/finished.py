@@ -111,6 +111,10 @@ def _result(folder: Path, manifest: Mapping[str, Any], simulator: Simulator) -> 
         raise LamcError(
             f"{folder}: its results are of another mechanism than the design is now; run it again"
         )
+    if manifest.get("series", {}) != dict(like.provenance.series):
+        raise LamcError(
+            f"{folder}: an input follows another series than when this was run; take that back, or run it again"
+        )
     stats = RunStats(
         **{**manifest["stats"], "switches": tuple(tuple(each) for each in manifest["stats"]["switches"])}
     )

@@ -20,6 +20,7 @@ from lamc.records.design import Line
 
 Points = Sequence[tuple[float, float]]
 
+_POLYGON = 3  # GEOS
 CIRCLE_SEGMENTS = 128
 FARTHEST = 1e6  # m; overlays of what lies beyond it lose digits, and nobody folds it
 
@@ -73,9 +74,10 @@ def line(start: tuple[float, float], end: tuple[float, float]) -> Line:
 
 def areas(geometry: BaseGeometry) -> MultiPolygon:
     """The two-dimensional parts of any geometry."""
-    parts = shapely.get_parts(geometry, return_index=False)
-    flat = [p for part in parts for p in shapely.get_parts(part)]
-    return MultiPolygon([p for p in flat if isinstance(p, Polygon) and not p.is_empty])
+    parts = shapely.get_parts(shapely.get_parts(geometry))
+    flat = (shapely.get_type_id(parts) == _POLYGON) & ~shapely.is_empty(parts)
+    found: MultiPolygon = shapely.multipolygons(parts[flat])
+    return found
 
 
 def cut_where_lines_cross(lines: Sequence[Line]) -> tuple[tuple[int, Line], ...]:

@@ -8,7 +8,7 @@ n lines may cross n² times. What is overlaid again and again costs its corners 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import shapely
@@ -44,21 +44,37 @@ _ROUGH = 0.01  # of a distance: how far GEOS simplifies what is grown by it
 class Account:
     """What the overlays for one file come to, added up as they are made.
 
-    crossings  pairs of sides of different shapes that cross, or share a part; those that end at one another, or are
-               alike, cost no more than their corners
     corners    of all that was overlaid, each time that it was
     """
 
-    crossings: int = 0
     corners: int = 0
+    _counted: int = 0  # crossings
+    _owed: list[tuple[BaseGeometry, ...]] = field(default_factory=list)  # overlays not looked at yet
+    _owed_most: int = 0  # what they come to if every side crosses every other
+
+    @property
+    def crossings(self) -> int:
+        """Pairs of sides of different shapes that cross, or share a part; those that end at one another, or are alike,
+        cost no more than their corners."""
+        for shapes in self._owed:
+            self._counted += _crossings(*_numbered_sides(*_parts(shapes)), MOST_CROSSINGS)
+        self._owed, self._owed_most = [], 0
+        return self._counted
 
     def overlay(self, shapes: Sequence[BaseGeometry], what: str) -> None:
         """Counts an overlay of areas that do not cross themselves, lines and points. Raises DesignError, naming `what`
         (in the plural), where the file's overlays are too much work."""
-        parts, shape = _parts(shapes)
-        self._add_corners(int(shapely.get_num_coordinates(parts).sum()), what)
-        found = _crossings(*_numbered_sides(parts, shape), MOST_CROSSINGS - self.crossings)
-        self._add_crossings(found, "cross each other", what)
+        given = tuple(shapes)
+        corners = int(shapely.get_num_coordinates(np.array(given, dtype=object)).sum())
+        self._add_corners(corners, what)
+        most = corners * corners // 2 + corners * corners // _LOOKS
+        # Too few to be too much work, whatever they do, are looked at when somebody asks.
+        if self._counted + self._owed_most + most <= MOST_CROSSINGS:
+            self._owed.append(given)
+            self._owed_most += most
+            return
+        left = MOST_CROSSINGS - self.crossings
+        self._add_crossings(_crossings(*_numbered_sides(*_parts(given)), left), "cross each other", what)
 
     def growth(self, shape: BaseGeometry, distance: float, what: str) -> None:
         """Counts what it takes to grow a shape by a distance, m, or to shrink it: bands along sides that are near cross
@@ -73,11 +89,11 @@ class Account:
         self._add_crossings(int(near / share), f"come within {1e3 * reach:.3g} mm of each other", what)
 
     def _add_crossings(self, count: int, how: str, what: str) -> None:
-        self.crossings += count
-        if self.crossings > MOST_CROSSINGS:
-            before = ", with those before" if self.crossings > count else ""
+        self._counted += count
+        if self._counted > MOST_CROSSINGS:
+            before = ", with those before" if self._counted > count else ""
             raise DesignError(
-                f"{what} {how} {self.crossings} times or more{before}; at most {MOST_CROSSINGS} crossings are "
+                f"{what} {how} {self._counted} times or more{before}; at most {MOST_CROSSINGS} crossings are "
                 "computed: draw them as fewer shapes, or leave out what others cover"
             )
 

@@ -3,6 +3,7 @@
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
 from lamc.effects.blade_element import BladeElementDrag
+from lamc.effects.cable import Cable
 from lamc.effects.external_torque import ExternalTorque
 from lamc.effects.flexible import FlexibleLinks
 from lamc.effects.free_base import FreeBase
@@ -12,6 +13,7 @@ from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
 from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
+from lamc.effects.servo import Servo
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.effects.twist import TwistCompliance
@@ -20,6 +22,7 @@ from lamc.records.effect import Effect
 __all__ = [
     "BaseMotion",
     "BladeElementDrag",
+    "Cable",
     "Effect",
     "ExternalTorque",
     "FlexibleLinks",
@@ -33,6 +36,7 @@ __all__ = [
     "NonlinearStiffness",
     "PiezoBender",
     "RestAngle",
+    "Servo",
     "Spring",
     "Torque",
     "TwistCompliance",

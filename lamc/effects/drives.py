@@ -20,12 +20,13 @@ import numpy.typing as npt
 
 from lamc.basics.errors import ExpressionError, about
 from lamc.records.effect import hooked
+from lamc.records.series import Series
 from lamc.symbolic.domain import EVERYWHERE, Undefined, undefined
 from lamc.symbolic.expression import CONSTANTS, names_in
 from lamc.symbolic.kinks import Kink, first_kink
 
 Bounds = tuple[npt.ArrayLike, npt.ArrayLike]
-_Given = tuple[tuple[str, float], ...]  # inputs with their values
+_Given = tuple[tuple[str, float | Series], ...]  # inputs with their values, or what they follow
 INSTANTS = 1001  # of a run that are looked at
 OF_JOINT = ("angle", "rate")
 NO_INPUTS: Mapping[str, float] = MappingProxyType({})
@@ -75,12 +76,13 @@ def check_drives(
     angles: Mapping[str, float],
     rates: Mapping[str, float],
     t_end: float,
-    inputs: Mapping[str, float] = NO_INPUTS,
+    inputs: Mapping[str, float | Series] = NO_INPUTS,
 ) -> None:
     """Raises ExpressionError for a drive without a value at the start or, whatever moves, at an instant of the run,
     and for one with a kink within the run that has to be smooth.
 
-    angles, rates  of all joints at the start, rad and rad/s; t_end  s; inputs  values of the run, by name
+    angles, rates  of all joints at the start, rad and rad/s; t_end  s; inputs  values of the run, by name, or series
+    that reach over it
     """
     for effect in effects:
         for drive in hooked(effect).drives():
@@ -98,7 +100,8 @@ def _check_start(
     found = _at_start(drive, angle, rate, given)
     if found is not None:
         state = [("angle", angle, " rad"), ("rate", rate, " rad/s")] if drive.joint is not None else []
-        at = " and ".join(f"{n} = {v:.6g}{unit}" for n, v, unit in [*state, *((*each, "") for each in given)])
+        values = [(name, _at(value, 0.0), "") for name, value in given]
+        at = " and ".join(f"{n} = {v:.6g}{unit}" for n, v, unit in [*state, *values])
         raise _refusal(drive, found, f"at the start{' with ' if at else ''}{at}")
 
 
@@ -106,7 +109,7 @@ def _check_instants(drive: Drive, t_end: float, given: _Given) -> None:
     found = _on_the_way(drive, t_end, given) if np.isfinite(t_end) else None
     if found is not None:
         at = t_end * found.index / (INSTANTS - 1)
-        reported = "".join(f", {name} = {value:.6g}" for name, value in given)
+        reported = "".join(f", {name} = {_at(value, at):.6g}" for name, value in given)
         raise _refusal(drive, found, f"at t = {at:.6g} s{reported}, within the run of {t_end:g} s")
 
 
@@ -129,14 +132,21 @@ def _kink(text: str, given: _Given, t_end: float) -> Kink | None:
 @lru_cache(maxsize=1024)
 def _at_start(drive: Drive, angle: float, rate: float, given: _Given) -> Undefined | None:
     ranges = _ranges(drive, (0.0, 0.0), (angle, angle), (rate, rate))
-    return undefined(drive.text, ranges | {name: (value, value) for name, value in given})
+    return undefined(drive.text, ranges | {name: (_at(v, 0.0), _at(v, 0.0)) for name, v in given})
 
 
 @lru_cache(maxsize=1024)
 def _on_the_way(drive: Drive, t_end: float, given: _Given) -> Undefined | None:
     times = np.linspace(0.0, t_end, INSTANTS)
     ranges = _ranges(drive, (times, times), EVERYWHERE, EVERYWHERE)
-    return undefined(drive.text, ranges | {name: (value, value) for name, value in given})
+    for name, value in given:
+        at = value.at(times) if isinstance(value, Series) else value
+        ranges[name] = (at, at)
+    return undefined(drive.text, ranges)
+
+
+def _at(value: float | Series, t: float) -> float:
+    return float(value.at(t)) if isinstance(value, Series) else value
 
 
 def _ranges(drive: Drive, t: Bounds, angle: Bounds, rate: Bounds) -> dict[str, Bounds]:

@@ -9,6 +9,7 @@ from lamc.basics.errors import DesignError, about
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender
 from lamc.effects.blade_element import BladeElementDrag
+from lamc.effects.cable import Cable
 from lamc.effects.external_torque import ExternalTorque
 from lamc.effects.flexible import FlexibleLinks
 from lamc.effects.free_base import FreeBase
@@ -19,6 +20,7 @@ from lamc.effects.limits import JointLimits
 from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
 from lamc.effects.registered import RegisteredEffect
+from lamc.effects.servo import Servo
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
 from lamc.effects.twist import TwistCompliance
@@ -34,7 +36,9 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     HingeDamping,
     JointLimits,
     LinearMotor,
+    Cable,
     NonlinearStiffness,
+    Servo,
     Spring,
     Torque,
     GroundContact,

@@ -237,10 +237,19 @@ def _meeting(program: Program, sizes: _Sizes) -> _Work:
         return _Work(Counter())
     inner = count * ((sizes.prepare if program.cuts else sizes.cholesky) + sizes.bounce + sizes.n)
     times = Counter(guards=2 + count, impacts=count)
+    rates = _rates_of_guards(program, sizes)
     if program.cuts:
-        return _Work(times + _prepared(sizes, count), inner)
+        return _Work(times + _prepared(sizes, count), inner) + rates
     mass = next(name for name in ("inertia", "system", "acceleration") if name in program.functions)
-    return _Work(times + Counter({mass: count}), inner)
+    return _Work(times + Counter({mass: count}), inner) + rates
+
+
+def _rates_of_guards(program: Program, sizes: _Sizes) -> _Work:
+    """Of guards that depend on rates: accelerations at both looks, and another look before and after impacts."""
+    if "guard_changes" not in program.functions:
+        return _Work(Counter())
+    times = Counter(guard_changes=2, guards=2)
+    return _Work(times, 4 * len(program.guards)) + _accelerations(program, sizes, 2)
 
 
 def _explicit_step(program: Program, sizes: _Sizes) -> _Work:

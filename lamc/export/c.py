@@ -22,6 +22,7 @@ from lamc.export.precision import TOLERANCES, check_range, in_precision
 from lamc.export.prefixes import prefix_of
 from lamc.export.run_fields import integer_ranges, run_fields
 from lamc.export.runtime import BARE, lean, macros, runtime_files, table_of_methods, units
+from lamc.export.series import recording_of
 from lamc.export.sizes import sizes_of
 from lamc.export.statuses import STATUSES
 from lamc.records.effect import hooked
@@ -55,7 +56,7 @@ def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
     """Header and source of `simulator`. Raises EmitError where an operation has no C form."""
     program = lean(simulator.program, options)
     prefix = options.prefix or prefix_of(program.name)
-    tree = emit(program, prefix=MODEL, number=REAL)
+    tree = emit(program, prefix=MODEL, number=REAL, recording=recording_of(simulator, options))
     parameters, inputs = members_of(program.parameters)
     stable_step = suitable_step(simulator, is_stiff=options.is_stiff) if options.real_time else None
     context = _context(simulator, program, options, prefix, parameters, inputs, stable_step)
@@ -141,6 +142,7 @@ def _context(
             "parameters": len(program.inputs),
             "energies": len(program.energies),
             "guards": len(program.guards),
+            "series": len(program.series),
             "closure": program.closure_count,
             "state": len(program.coordinates) + len(program.rates),
             "closure_numbers": program.closure_count * (len(program.rates) + 1),

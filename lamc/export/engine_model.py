@@ -31,6 +31,7 @@ from lamc.records.effect import Effect, overrides
 from lamc.records.mechanism import Array, Body, Joint, Mechanism
 from lamc.records.scene import Scene
 from lamc.records.scene_values import left_to_model, with_values
+from lamc.run.following import series_of
 from lamc.run.start_checks import check_angles
 
 
@@ -154,8 +155,13 @@ def engine_model(mechanism: Mechanism, scene: Scene, name: str | None = None) ->
         mass_matrix=mass_matrix,
         time_step=_step(pieces, builder.places, mass_matrix, loads, mechanism.size),
         inputs=ReadOnlyDict({name: each.default for name, each in scene.inputs.items()}),
-        lost=tuple(loads.lost),
+        lost=(*loads.lost, *_lost_series(scene)),
     )
+
+
+def _lost_series(scene: Scene) -> list[Loss]:
+    """What inputs follow over time: engines take numbers."""
+    return [Loss(f"the series that the input {name!r} follows") for name in series_of(scene)]
 
 
 def _floating(tree: Tree, effects: Sequence[Effect]) -> FloatingBase | None:

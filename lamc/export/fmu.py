@@ -33,6 +33,7 @@ from lamc.export.fmu_variables import Variable, variables
 from lamc.export.folder import quoted
 from lamc.export.options import ExportOptions
 from lamc.export.picture import picture_of
+from lamc.export.series import from_outside, resources
 from lamc.export.zips import zipped
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
@@ -53,7 +54,7 @@ _SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": 
 
 def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[str, bytes]:
     """As `fmu_files`, of a mechanism in its scene."""
-    return fmu_files(simulator_of(mechanism, scene, options), options)
+    return fmu_files(simulator_of(mechanism, from_outside(scene), options), options, resources(scene))
 
 
 def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -> str:
@@ -61,8 +62,12 @@ def next_step(folder: str, files: Mapping[str, bytes], options: ExportOptions) -
     return f"fmpy simulate {quoted(folder, files, '.fmu')} --show-plot"
 
 
-def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
-    """NAME.fmu. Raises ExportError for systems that FMI has no name for, BuildError where the compiler fails."""
+def fmu_files(
+    simulator: Simulator, options: ExportOptions, more: Mapping[str, bytes] | None = None
+) -> dict[str, bytes]:
+    """NAME.fmu. more: files that it takes along.
+
+    Raises ExportError for systems that FMI has no name for, BuildError where the compiler fails."""
     source = c_source(simulator, options)
     program = source.program
     parameters, inputs = ([member.slot for member in kind] for kind in (source.parameters, source.inputs))
@@ -79,6 +84,7 @@ def fmu_files(simulator: Simulator, options: ExportOptions) -> dict[str, bytes]:
         "documentation/licenses/fmi.txt": (_folder() / "headers" / "LICENSE.txt").read_bytes(),
         "documentation/mechanism.png": picture_of(simulator.mechanism, program.joints, program.bodies),
     }
+    files |= more or {}
     if options.fmi_version == 3:
         files["sources/buildDescription.xml"] = build_description(facts)
     return {

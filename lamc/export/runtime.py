@@ -42,7 +42,17 @@ def lean(program: Program, options: ExportOptions) -> Program:
 
 def units(options: ExportOptions) -> list[str]:
     """Sources of the runtime, in an order in which objects stand before their use."""
-    first = ["system.c", "guards.c", "impacts.c", "loops.c", "linearise.c", "powers.c", "motion.c", "fixed.c"]
+    first = [
+        "series.c",
+        "system.c",
+        "guards.c",
+        "impacts.c",
+        "loops.c",
+        "linearise.c",
+        "powers.c",
+        "motion.c",
+        "fixed.c",
+    ]
     if options.real_time:
         own = ("integrals.c", "implicit.c", f"{options.integrator}.c", "stiff.c")
         return [*first, *own] if options.is_stiff else first
@@ -66,6 +76,7 @@ def _absent(program: Program, options: ExportOptions) -> set[str]:
         "system": "acceleration" not in program.functions and not program.cuts,
         "watch": options.integrator == "auto" and not options.real_time,
         "powers": False,
+        "series": bool(program.series),
         "integrals": False,
     }
     return {unit for unit, is_needed in needed.items() if not is_needed}

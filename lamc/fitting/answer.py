@@ -6,6 +6,7 @@ recording's own numbers.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -157,9 +158,8 @@ class Fit:
         span = end - task.t_start
         times = np.linspace(task.t_start, end, max(int(_ROWS * span) + 1, 101))
         request = Request(task.y0, end, 1e-9, 1e-11, times, 1_000_000, np.inf, None, t_start=task.t_start)
-        return task.simulator.integrated(
-            task.simulator.model.motion(task.parameters), task.parameters, request, "auto"
-        )
+        given: dict[str, Any] = dict(task.parameters)
+        return task.simulator.integrated(task.simulator.model.motion(given), given, request, "auto")
 
     def held_back(self, recording: Recording) -> Compared:
         """A recording that the fit was not made of, beside the model: cross-validation. Its own ranges are found."""

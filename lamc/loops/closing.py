@@ -12,6 +12,7 @@ from lamc.loops.linear import DENSE, least_changes
 from lamc.records.mechanism import Array
 
 Mask = npt.NDArray[np.bool_]
+Places = npt.NDArray[np.int64]
 
 CLOSED = 1e-12  # rad, and of the size: a few hundred units of round-off
 SOLVE = 1e-9  # relative to the largest singular value: a smaller one is none of a place on the way to closure
@@ -41,13 +42,13 @@ def settle(
     Returns the place reached, and its largest residual, rad or parts of lengths.
     """
     angles = angles.copy()
-    columns = np.ones(len(angles), dtype=bool) if free is None else free
+    columns = np.arange(len(angles)) if free is None else np.flatnonzero(free)
     residual, linear = geometry.closure(angles)
     error = float(np.abs(residual).max(initial=0.0))
-    for _ in range(MAX_ITERATIONS if columns.any() else 0):
+    for _ in range(MAX_ITERATIONS if len(columns) else 0):
         if error <= 1e-2 * CLOSED:
             break
-        part = linear.columns(columns)
+        part = linear.part(columns)
         step = part.least_change(-residual, cutoff if nullity is None else part.amid(nullity))
         longest = float(np.abs(step).max())
         if longest < 1e-15:
@@ -63,28 +64,35 @@ def settle(
 def settle_all(geometry: LoopGeometry, guesses: Array, free: Mask, cutoff: float) -> tuple[Array, Array]:
     """`settle` from rows of guesses (s, n) at once: the places (s, n), and their errors (s,)."""
     places, rows = guesses.copy(), np.arange(len(guesses))
+    at, columns = places, np.flatnonzero(free)  # places of the rows that are still on the way
     errors, longest = np.full((2, len(guesses)), np.inf)
-    for left in range(MAX_ITERATIONS, -1, -1):
-        steps, error = _steps(geometry, places[rows], free, np.zeros((len(rows), int(free.sum()))), cutoff)
-        before, errors[rows] = errors[rows], error
-        over = (error > 0.5 * before) & ((error <= CLOSED) | (longest[rows] < STILL))
-        longest[rows] = np.abs(steps).max(axis=1, initial=0.0)
-        on = ~over & (error > 1e-2 * CLOSED) & (longest[rows] >= 1e-15)
-        rows, steps = rows[on], steps[on]
+    for left in range(MAX_ITERATIONS if len(rows) else -1, -1, -1):
+        steps, error = _steps(geometry, at, columns, None, cutoff)
+        before, last = errors[rows], longest[rows]
+        now = np.abs(steps).max(axis=1, initial=0.0)
+        errors[rows], longest[rows] = error, now
+        over = (error > 0.5 * before) & ((error <= CLOSED) | (last < STILL))
+        on = ~over & (error > 1e-2 * CLOSED) & (now >= 1e-15)
+        if np.count_nonzero(on) < len(on):
+            rows, steps, now, at = rows[on], steps[on], now[on], at[on]
         if not len(rows) or not left:
             break
-        places[np.ix_(rows, free)] += steps * np.minimum(1.0, LONGEST_STEP / longest[rows])[:, None]
+        at[:, columns] += steps * np.minimum(1.0, LONGEST_STEP / now)[:, None]
+        places[rows] = at
     return places, errors
 
 
 def approach(geometry: LoopGeometry, angles: Array, wanted: Array, free: Mask, cutoff: float) -> Array:
     """Places (s, n), nearly closed, where the squares of the distance from `wanted` (n,) are least around closed rows
     of angles (s, n), by what is free."""
-    places, rows = angles.copy(), np.arange(len(angles))
+    places, rows, columns = angles.copy(), np.arange(len(angles)), np.flatnonzero(free)
     for _ in range(NEAREST):
-        steps, _ = _steps(geometry, places[rows], free, (wanted - places[rows])[:, free], cutoff)
+        back = (wanted - places[rows])[:, columns]
+        steps, _ = _steps(geometry, places[rows], columns, back, cutoff)
         longest = np.abs(steps).max(axis=1, initial=0.0)
-        places[np.ix_(rows, free)] += steps * np.minimum(1.0, NEARER / np.maximum(longest, NEARER))[:, None]
+        places[np.ix_(rows, columns)] += (
+            steps * np.minimum(1.0, NEARER / np.maximum(longest, NEARER))[:, None]
+        )
         rows = rows[longest >= ARRIVED]
         if not len(rows):
             break
@@ -92,17 +100,28 @@ def approach(geometry: LoopGeometry, angles: Array, wanted: Array, free: Mask, c
 
 
 def _steps(
-    geometry: LoopGeometry, places: Array, free: Mask, back: Array, cutoff: float
+    geometry: LoopGeometry, places: Array, free: Places, back: Array | None, cutoff: float
 ) -> tuple[Array, Array]:
-    """Steps (s, f) towards closure by what is free, of least difference from steps `back` (s, f); and how far the
-    places (s, n) are from it, (s,)."""
+    """Steps (s, f) towards closure by what is free, indices (f,), of least difference from steps `back` (s, f), which
+    are nil where there are none; and how far the places (s, n) are from it, (s,)."""
     if len(geometry.names) > DENSE:
-        closures = [geometry.closure(place) for place in places]
-        columns = [linear.columns(free) for _, linear in closures]
-        goals = [r + c.matrix @ b for (r, _), c, b in zip(closures, columns, back, strict=True)]
-        changes = np.array([c.least_change(g, cutoff) for c, g in zip(columns, goals, strict=True)])
-        return back - changes, np.array([np.abs(residual).max(initial=0.0) for residual, _ in closures])
+        return _large_steps(geometry, places, free, back, cutoff)
     residual, matrices = geometry.closures(places)
-    matrices = matrices[:, :, free]
+    matrices = matrices.take(free, axis=2)
+    error = np.abs(residual).max(axis=1, initial=0.0)
+    if back is None:
+        return -least_changes(matrices, residual, cutoff), error
     goal = residual + (matrices @ back[:, :, None])[:, :, 0]
-    return back - least_changes(matrices, goal, cutoff), np.abs(residual).max(axis=1, initial=0.0)
+    return back - least_changes(matrices, goal, cutoff), error
+
+
+def _large_steps(
+    geometry: LoopGeometry, places: Array, free: Places, back: Array | None, cutoff: float
+) -> tuple[Array, Array]:
+    """The same of many joints, place by place."""
+    back = np.zeros((len(places), len(free))) if back is None else back
+    closures = [geometry.closure(place) for place in places]
+    columns = [linear.part(free) for _, linear in closures]
+    goals = [r + c.matrix @ b for (r, _), c, b in zip(closures, columns, back, strict=True)]
+    changes = np.array([c.least_change(g, cutoff) for c, g in zip(columns, goals, strict=True)])
+    return back - changes, np.array([np.abs(residual).max(initial=0.0) for residual, _ in closures])

@@ -53,7 +53,13 @@ class Linear:
 
     def columns(self, taken: npt.NDArray[np.bool_]) -> "Linear":
         """Those of a mask (n,)."""
-        return self if taken.all() else Linear(self.matrix[:, np.flatnonzero(taken)])
+        return self if taken.all() else self.part(np.flatnonzero(taken))
+
+    def part(self, taken: npt.NDArray[np.int64]) -> "Linear":
+        """Columns of some indices (k,), ascending."""
+        if len(taken) == self.count:
+            return self
+        return Linear(self.matrix.take(taken, axis=1) if self.is_small else self.matrix[:, taken])
 
     @cached_property
     def dense(self) -> tuple[Array, Array, Array]:

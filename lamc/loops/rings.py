@@ -204,11 +204,12 @@ def rotation_vectors(rotation: Array) -> Array:
     root near a half turn, where the antisymmetric part vanishes as it does for none."""
     parts = rotation.reshape(*rotation.shape[:-2], 9) @ _PARTS
     twice_sine = parts[..., :3]
-    length = np.sqrt((twice_sine * twice_sine).sum(axis=-1))
+    length = np.sqrt(np.add.reduce(twice_sine * twice_sine, axis=-1))
     angle = np.arctan2(length, parts[..., 3] - 1.0)
     found = twice_sine * (angle / np.maximum(length, TINY))[..., None]
-    half = (angle > 1.0) & (length < 1e-9)
-    for k in zip(*np.nonzero(half), strict=True) if half.any() else ():
+    turned = angle > 1.0
+    half = np.nonzero(turned & (length < 1e-9)) if np.count_nonzero(turned) else ()
+    for k in zip(*half, strict=True):
         twice_dyad = rotation[k] + np.eye(3)
         axis = twice_dyad[:, int(np.argmax(np.diag(twice_dyad)))]
         found[k] = angle[k] * axis / np.linalg.norm(axis)

@@ -3,11 +3,11 @@
 Goes in: a tree and the effects of the scene; those with an attribute `arrange` are asked for what they add. Comes out:
 an `Arrangement`. It is cheap, holds no symbol, and is made for every simulator, whether its code is new or cached.
 
-Coordinates, in this order: the hinges, those of the tree first; what compliant hinges add; modes of flexible bodies,
-all of which have q̇ = u; angles of hinges that close loops and yield, which have no rate of their own but follow from
-the others, and count turns; a floating base. The base has seven coordinates, the world position of its centre of
-mass and a quaternion of any norm (world from drawn axes), and six rates, the velocity of that point in world axes and
-the angular velocity in axes of the body.
+Coordinates, in this order: the hinges, those of the tree first; what compliant hinges add; modes of flexible bodies;
+gears with play, all of which have q̇ = u; angles of hinges that close loops and yield, which have no rate of their own
+but follow from the others, and count turns; a floating base. The base has seven coordinates, the world position of its
+centre of mass and a quaternion of any norm (world from drawn axes), and six rates, the velocity of that point in world
+axes and the angular velocity in axes of the body.
 """
 
 import math
@@ -25,6 +25,7 @@ from lamc.mechanics.compliant_hinge import FREEDOMS as FREEDOMS
 from lamc.mechanics.compliant_hinge import CompliantHinge as CompliantHinge
 from lamc.mechanics.compliant_hinge import check_bushing
 from lamc.mechanics.flexible import FlexibleBody
+from lamc.mechanics.gears import gear_name
 from lamc.mechanism.tree import Cut, Tree
 from lamc.records.effect import hooked
 from lamc.records.network import listed_names
@@ -97,6 +98,7 @@ class Arrangement:
     compliant         compliant hinges of the tree, in its order
     bushings          compliant hinges of its cuts, in their order
     flexible          flexible bodies, in the tree's order
+    gears             joints whose gears turn by themselves, in the order of the hinges
     inverse_dynamics  an effect asks for equations in the general form, M u̇ = f from inverse dynamics
     """
 
@@ -105,13 +107,19 @@ class Arrangement:
     compliant: tuple[CompliantHinge, ...] = ()
     bushings: tuple[Bushing, ...] = ()
     flexible: tuple[FlexibleBody, ...] = ()
+    gears: tuple[str, ...] = ()
     inverse_dynamics: bool = False
 
     @property
     def is_plain(self) -> bool:
         """Hinges on a fixed world, nothing else: u̇ is solved for symbolically, and nothing here has a trace."""
-        added = self.compliant or self.bushings or self.flexible
+        added = self.compliant or self.bushings or self.flexible or self.gears
         return self.base is None and not added and not self.inverse_dynamics
+
+    @property
+    def yields(self) -> bool:
+        """Whether hinges or bodies yield, so that loops close by more than the angles of hinges."""
+        return len(self.plain_coordinates) > len(self.tree.hinges) + len(self.gears)
 
     @property
     def held(self) -> tuple[str, ...]:
@@ -147,7 +155,8 @@ class Arrangement:
             for body in self.flexible
             for k in range(body.count)
         )
-        return (*hinges, *across, *modes)
+        gears = (Coordinate(gear_name(joint), "rad") for joint in self.gears)
+        return (*hinges, *across, *modes, *gears)
 
     @property
     def moving_bodies(self) -> tuple[str, ...]:
@@ -176,12 +185,17 @@ class Arrangement:
     def start(
         self, q_joints: Sequence[float], u_joints: Sequence[float], near: Mapping[str, float] | None = None
     ) -> tuple[Array, Array]:
-        """q (nq,) and u (nu,) from the joints' angles, rad, and rates, rad/s; hinges and bodies start undeformed.
+        """q (nq,) and u (nu,) from the joints' angles, rad, and rates, rad/s; hinges and bodies start undeformed, gears
+        in the middle of their play.
 
         near: angles of hinges that bushings hold, by name, rad, that theirs are within half a turn of; else nought
         """
-        rest = len(self.plain_coordinates) - len(q_joints)
-        q, u = np.append(q_joints, np.zeros(rest)), np.append(u_joints, np.zeros(rest))
+        rest = len(self.plain_coordinates) - len(q_joints) - len(self.gears)
+        geared = [index for index, joint in enumerate(self.tree.hinges) if joint.name in self.gears]
+        q, u = (
+            np.concatenate([own, np.zeros(rest), np.take(own, geared)])
+            for own in (np.asarray(q_joints, dtype=np.float64), np.asarray(u_joints, dtype=np.float64))
+        )
         q = np.append(q, self._held_angles(q_joints, near or {}))
         base = self.base
         if isinstance(base, FloatingBase):
@@ -216,6 +230,7 @@ class Arranging:
         self._base: FloatingBase | PrescribedBase | None = None
         self._compliant: dict[str, CompliantHinge] = {}
         self._flexible: dict[str, FlexibleBody] = {}
+        self._gears: dict[str, str] = {}  # joint → effect
         self._inverse_dynamics = False
 
     def move_base(self, base: FloatingBase | PrescribedBase) -> None:
@@ -252,6 +267,17 @@ class Arranging:
             raise DesignError(f"two effects make body {body.body!r} flexible; leave one out")
         self._flexible[body.body] = replace(body, effect=self.effect)
 
+    def gear(self, joint: str) -> None:
+        """The gear on a joint turns by itself, with an angle like the joint's; see `gears.py`."""
+        joints = [each.name for each in self.tree.mechanism.joints]
+        if joint not in joints:
+            raise DesignError(f"no joint is named {joint!r}; the joints are {listed_names(sorted(joints))}")
+        if joint in self._gears:
+            raise DesignError(
+                f"effects {self._gears[joint]!r} and {self.effect!r} both put a gear on joint {joint!r}"
+            )
+        self._gears[joint] = self.effect
+
     def inverse_dynamics(self) -> None:
         """The equations are to be in the general form, which `Loads.added_inertia` needs."""
         self._inverse_dynamics = True
@@ -272,6 +298,7 @@ class Arranging:
             flexible=tuple(
                 self._flexible[link.body.name] for link in links if link.body.name in self._flexible
             ),
+            gears=tuple(joint.name for joint in tree.hinges if joint.name in self._gears),
             inverse_dynamics=self._inverse_dynamics,
         )
         _check_names(arrangement)

@@ -92,6 +92,7 @@ def collect(
         with about(effect), loads.effect(effect.name, effect.summary, hooked(effect).source):
             hold(loads)
             effect.contribute(loads)
+    symbols.parameters.check_asked()
     symbols.store.scope = LATER
     return loads
 
@@ -114,6 +115,7 @@ def assemble(
     )
     rates = (*rates, *base.coordinate_rates) if isinstance(base, StagedFloat) else rates
     speeds: dict[Value, Scalar] = dict(zip(symbols.q, rates, strict=True)) | {symbols.time: 1}
+    udot = partial(_accelerations, symbols.store, arrangement)
     return Equations(
         tree=arrangement.tree,
         effects=tuple(effects),
@@ -126,7 +128,7 @@ def assemble(
         energies=energies_of(placement, masses, symbols.u, loads),
         poses=tuple(poses_of(placement, masses.coms, arrangement)),
         loops=loops,
-        guards=tuple(guard_terms(guard, speeds, symbols.u) for guard in loads.guards),
+        guards=tuple(guard_terms(guard, speeds, symbols.u, udot) for guard in loads.guards),
         solver=solved.solver,
         solver_flops=solved.flops or {},
         arrangement=arrangement,
@@ -134,6 +136,11 @@ def assemble(
         coordinate_rates=rates if loads.bushings or isinstance(base, StagedFloat) else None,
         account_for_powers=partial(_powers, solved.problem, arrangement, masses, loads, speeds),
     )
+
+
+def _accelerations(store: Store, arrangement: Arrangement) -> list[Value]:
+    """The symbols of u̇, (nu,)."""
+    return [store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(arrangement.rates)]
 
 
 def _pattern(symbols: Symbols, closure: Closure | None, loops: LoopCount) -> Pattern | None:
@@ -160,7 +167,7 @@ def _powers(
             first = add(first, modal.rise())
             change = scale(dot(modal.moment, modal.modes.rates(u)), modal.normal)
         pulled.append(Mass(inertia.mass, first, change))
-    udot = [store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(rates)]
+    udot = _accelerations(store, arrangement)
     weight = base.mass if isinstance(base, StagedFloat) else 0
     moving = Moving(placement, pulled, weight, u, {**speeds, **dict(zip(u, udot, strict=True))})
     powers = powers_of(loads, moving)

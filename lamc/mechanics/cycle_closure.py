@@ -11,8 +11,9 @@ products of sines, never differences of numbers near one.
 Rotations are in rad; displacements are those of what is at the cycle's centre, in units of the mechanism's size.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -38,38 +39,46 @@ ROUND_OFF = 1e-14  # of a direction, or of an arm in sizes: cycles that are near
 class Line:
     """A joint as it is passed: its screw as drawn, in the cycle's frame.
 
-    joint  index as `Cycle.joints` counts them
-    axis   (3,), unit
-    arm    (3,), from the cycle's centre, across the axis, in sizes
-    key    what it is of the drawing: the cycle whose numbers are taken, and the place in its ring
+    joint    index as `Cycle.joints` counts them
+    key      what it is of the drawing: the cycle whose numbers are taken, and the place in its ring
+    numbers  by their kinds, of which equations are written: "axis" (3,), unit; "arm" (3,), from the cycle's centre,
+             across the axis, in sizes; "moment" and "across", (3,), arm × axis and axis × arm; "skew" (9,) and "square"
+             (9,), by rows: the matrix that multiplies crosswise by the axis, and its square
     """
 
     joint: int
-    axis: Array
-    arm: Array
     key: DrawnKey
+    numbers: Mapping[str, Sequence[float]]
 
 
-def _skew(line: Line) -> Array:
-    x, y, z = line.axis
-    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+def _line_numbers(axes: Array, arms: Array) -> list[Mapping[str, Sequence[float]]]:
+    """`Line.numbers` of lines (k, 3) and (k, 3); round-off of a turn into the cycle's frame is none of it, be they
+    nought or one."""
+    x, y, z = axes.T
+    nought = np.zeros(len(axes))
+    skew = np.stack([nought, -z, y, z, nought, -x, -y, x, nought], axis=1).reshape(-1, 3, 3)
+    square = skew @ skew
+    moment, across = _crossed(arms, axes), _crossed(axes, arms)
+    values = np.hstack([axes, arms, moment, across, skew.reshape(-1, 9), square.reshape(-1, 9)])
+    values = snap(values, 1.0)
+    one = np.abs(np.abs(values) - 1.0) <= ROUND_OFF
+    rows = np.where(one, np.sign(values), values).tolist()
+    return [{kind: row[part] for kind, part in _PARTS.items()} for row in rows]
 
 
-OF_LINE: Mapping[str, Callable[[Line], Array]] = {
-    "axis": lambda line: line.axis,
-    "arm": lambda line: line.arm,
-    "moment": lambda line: np.cross(line.arm, line.axis),
-    "across": lambda line: np.cross(line.axis, line.arm),
-    "skew": _skew,
-    "square": lambda line: _skew(line) @ _skew(line),
+_PARTS = {
+    "axis": slice(0, 3),
+    "arm": slice(3, 6),
+    "moment": slice(6, 9),
+    "across": slice(9, 12),
+    "skew": slice(12, 21),
+    "square": slice(21, 30),
 }
 
 
-def _of_line(kind: str, line: Line) -> list[float]:
-    """Its numbers of a kind; round-off of a turn into the cycle's frame is none of it, be they nought or one."""
-    values = snap(OF_LINE[kind](line).ravel(), 1.0)
-    one = np.abs(np.abs(values) - 1.0) <= ROUND_OFF
-    return [float(v) for v in np.where(one, np.sign(values), values)]
+def _crossed(a: Array, b: Array) -> Array:
+    """a × b of rows (k, 3)."""
+    return a[:, [1, 2, 0]] * b[:, [2, 0, 1]] - a[:, [2, 0, 1]] * b[:, [1, 2, 0]]
 
 
 class Shapes:
@@ -80,32 +89,33 @@ class Shapes:
         self._store = store
 
     def __call__(self, kind: str, line: Line) -> Vector3:
-        """Three of them; see `OF_LINE`."""
+        """Three of them; see `Line`."""
         x, y, z = self.all(kind, line)
         return (x, y, z)
 
     def all(self, kind: str, line: Line) -> tuple[Scalar, ...]:
-        return keyed(self._store, (kind, *line.key), _of_line(kind, line))
+        return keyed(self._store, (kind, *line.key), line.numbers[kind])
 
 
 def lines_of(cycles: Sequence[Cycle], joints: Sequence[Joint], size: float) -> list[list[Line]]:
     """The lines of each cycle in the order of its ring, those of its second half as they are passed backwards."""
     known: dict[bytes, tuple[int, Array]] = {}
-    found: list[list[Line]] = []
+    passed: list[tuple[int, DrawnKey]] = []
+    rows: list[Array] = []
     for number, cycle in enumerate(cycles):
         numbers = _drawn(cycle, joints, size)
         coarse = np.round(numbers / (1e5 * ROUND_OFF)) + 0.0
         first, usual = known.setdefault(coarse.tobytes(), (number, numbers))
         if np.abs(usual - numbers).max() <= ROUND_OFF:
             number, numbers = first, usual
-        half = len(cycle.joints) // 2
-        found.append(
-            [
-                Line(joint, row[:3] if place < half else -row[:3], row[3:], (number, place))
-                for place, (joint, row) in enumerate(zip(cycle.joints, numbers, strict=True))
-            ]
-        )
-    return found
+        numbers = numbers.copy()
+        numbers[len(cycle.joints) // 2 :, :3] *= -1.0
+        passed += [(joint, (number, place)) for place, joint in enumerate(cycle.joints)]
+        rows.append(numbers)
+    drawn = np.concatenate([np.zeros((0, 6)), *rows])
+    each = zip(passed, _line_numbers(drawn[:, :3], drawn[:, 3:]), strict=True)
+    lines = iter([Line(joint, key, numbers) for (joint, key), numbers in each])
+    return [list(islice(lines, len(cycle.joints))) for cycle in cycles]
 
 
 def _drawn(cycle: Cycle, joints: Sequence[Joint], size: float) -> Array:
@@ -124,8 +134,8 @@ def line_numbers(lines: Sequence[Sequence[Line]]) -> Iterator[tuple[DrawnKey, fl
     for line in (line for ring in lines for line in ring):
         if line.key not in told:
             told.add(line.key)
-            for kind in OF_LINE:
-                for place, value in enumerate(_of_line(kind, line)):
+            for kind, values in line.numbers.items():
+                for place, value in enumerate(values):
                     yield (kind, *line.key, place), value
 
 

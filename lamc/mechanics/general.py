@@ -59,7 +59,7 @@ def derive_general(
     assert isinstance(kinematics, ChainKinematics)
     problem = InverseDynamics(kinematics, _regrouped(kinematics, masses), u, loads)
     tree, closure = arrangement.tree, None
-    yields = plain > len(tree.hinges)
+    yields = arrangement.yields
     if tree.cuts:
         close = partial(close_cuts, seen) if yields else partial(close_cycles, tree)
         closure = close(q[:plain], u[:plain])

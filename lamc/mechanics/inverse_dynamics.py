@@ -50,6 +50,9 @@ class InverseDynamics:
         result: list[Scalar] = [work.get(k, 0) - loads.generalised.get(k, 0) for k in range(self._count)]
         for i, torque in enumerate(loads.hinge_torques):
             result[i] = result[i] - torque
+        for i, reflected in sorted(loads.reflected.items()):
+            for _, inertia in reflected:
+                result[i] = result[i] + inertia * (accelerations[i] if accelerations is not None else 0)
         base = self.kinematics.base
         if isinstance(base, StagedFloat):
             with self.kinematics.store.section("Balance of the base", source="Newton, Euler"):
@@ -80,6 +83,9 @@ class InverseDynamics:
                 columns = [derivatives([*velocity, *omega], {u: 1}) for u in self._u]
                 for (i, j), value in added.projected(columns).items():
                     entries[i, j] = entries.get((i, j), 0) + value
+        for i, reflected in sorted(loads.reflected.items()):
+            for _, inertia in reflected:
+                entries[i, i] = entries.get((i, i), 0) + inertia
         return {key: v for key, v in sorted(entries.items()) if isinstance(v, Value) or v != 0}
 
     def _passed(self, accelerations: Sequence[Scalar] | None) -> tuple[dict[int, Scalar], Wrench]:

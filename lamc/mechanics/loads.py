@@ -76,7 +76,9 @@ class Loads(BodyPoints):
         super().__init__(placement, u)
         tree = self.tree
         self.time = time
-        self.inputs: Mapping[str, Scalar] = inputs or {}  # of the scene, by name; constant within a run
+        self.inputs: Mapping[str, Scalar] = (
+            inputs or {}
+        )  # of the scene, by name; constant, or they follow a series
         self.hinge_torques: list[Scalar] = [0] * len(tree.hinges)
         self.field: Vector3 = ZERO
         self.wrenches: dict[
@@ -87,6 +89,9 @@ class Loads(BodyPoints):
             int, Scalar
         ] = {}  # coordinate → force beyond the hinge torques, work per unit of it
         self.added: list[AddedInertia] = []
+        self.reflected: dict[
+            int, list[tuple[str, Scalar]]
+        ] = {}  # joint → effects, and kg·m² that its rate feels
         self.guards: list[Guard] = []
         self.field_effects: list[tuple[str, Vector3]] = []
         self.accounts: dict[str, Account] = {}  # by effect: what it adds to all of the above
@@ -141,7 +146,8 @@ class Loads(BodyPoints):
         stands still in between, so that force times switch is smooth to them. `name` tells people which guard it is.
         """
         index = sum(1 for guard in self.guards if guard.mode is not None)
-        mode = self._store.symbol(f"mode_{index}", Space.CONSTANT, index)
+        slot = self._parameters.first_mode + index
+        mode = self._store.symbol(f"mode_{index}", Space.CONSTANT, slot)
         self.guards.append(Guard(name, self._scalar(guard), mode=mode))
         return mode
 
@@ -164,6 +170,10 @@ class Loads(BodyPoints):
         if index is None:
             raise DesignError(f"no joint is named {joint!r}; the joints are {', '.join(sorted(self.joints))}")
         return Hinge(self.tree.hinges[index], self._q[index], self._u[index])
+
+    def coordinate(self, place: int) -> tuple[Scalar, Scalar]:
+        """A coordinate with a rate of its own at the same place, by its place in q: its value and its rate."""
+        return self._q[place], self._u[place]
 
     def hinges(self) -> Iterator[Hinge]:
         """All hinges in order. Use this to do the same for each: what repeats is then emitted once."""

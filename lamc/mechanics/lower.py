@@ -13,11 +13,12 @@ from lamc.codegen.lowering import Lowering, canonical
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.linearise import linearise
 from lamc.mechanics.tangents import Columns, tangents
+from lamc.records.series import ORDERS
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.piecewise import Piecewise
-from lamc.symbolic.program import DrawnNumber, Function, Guard, Program, Space, design_digest
+from lamc.symbolic.program import DrawnNumber, Function, Guard, Program, SeriesInput, Space, design_digest
 from lamc.symbolic.scalars import Scalar, Value
-from lamc.symbolic.staging import TABLE, DrawnKey, Level, Store, table_place
+from lamc.symbolic.staging import TABLE, DrawnKey, Level, Store, Symbol, table_place
 
 INPUT = "from outside"
 _STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)
@@ -58,6 +59,11 @@ JACOBIAN = (
     (*_STATE, Space.ACCELERATION, Space.MULTIPLIER),
 )
 GUARDS = ("guards", "guards, then their rates", _STATE)
+GUARD_CHANGES = (
+    "guard_changes",
+    "what accelerations add to the rates of guards",
+    (*_STATE, Space.ACCELERATION),
+)
 IMPACTS = (
     "impacts",
     "restitutions of the guards, then derivatives of their rates by u",
@@ -83,8 +89,9 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
     derivatives by `columns`, where there are any. Raises RequestError where these would be too long."""
     equations = equations.forked()
     store = equations.store
+    motion = _motion_jobs(equations)
     jobs = [
-        *_motion_jobs(equations),
+        *motion,
         (ENERGY, tuple(equations.energies.values())),
         (POSES, equations.poses),
         *_event_jobs(equations, needs_inertia=columns is not None),
@@ -92,9 +99,11 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         *([(POWER, tuple(equations.powers.values()))] if energy_balance else []),
     ]
     modes = [terms.guard.mode for terms in equations.guards if terms.guard.mode is not None]
+    # node → slot; first what the runtime keeps, zero at first: values and derivatives of series, then modes
     constants: dict[int, int] = {
-        mode.index: k for k, mode in enumerate(modes)
-    }  # node → slot; modes first, zero at first
+        index: k for k, index in enumerate((*_series_nodes(store), *(m.index for m in modes)))
+    }
+    kept = len(constants)
     functions = [
         Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs)
         for (name, purpose, reads), outputs in jobs
@@ -108,7 +117,7 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         "setup",
         "everything that depends on parameters only; once per change of parameters",
         (Space.PARAMETER,),
-        [0 if slot < len(modes) else Value(store, index, 1) for index, slot in constants.items()],
+        [0 if slot < kept else Value(store, index, 1) for index, slot in constants.items()],
     )
     program = Program(
         name=equations.tree.mechanism.name,
@@ -127,6 +136,7 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
             for g in (terms.guard for terms in equations.guards)
         ),
         drawn=() if equations.arrangement is None else equations.arrangement.displaced,
+        series=_series(equations, store, [value for _, outputs in motion for value in outputs]),
         powers=tuple(equations.powers) if energy_balance else (),
         columns=() if columns is None else columns.names,
         jacobian_cost=_jacobian_cost(functions),
@@ -137,6 +147,36 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         tables=MappingProxyType(_tables(store, (setup, *functions))),
     )
     return _with_digests(program)
+
+
+def _series_nodes(store: Store) -> list[int]:
+    """Symbols of the series and of their derivatives, in the order of their constants."""
+    nodes = {*store.flows, *store.flows.values()}
+    return sorted(nodes, key=lambda index: _symbol(store, index).index)
+
+
+def _symbol(store: Store, index: int) -> Symbol:
+    symbol = store.payloads[index]
+    assert isinstance(symbol, Symbol)
+    return symbol
+
+
+def _series(equations: Equations, store: Store, motion: Sequence[Scalar]) -> tuple[SeriesInput, ...]:
+    """Inputs that follow a series, with the highest derivative of each that the values of `motion` hold."""
+    if not store.flows:
+        return ()
+    live = set(store.live(motion))
+    needed = {_symbol(store, index).index for index in _series_nodes(store) if index in live}
+    names = sorted(name for name, each in equations.inputs.items() if each.series is not None)
+    return tuple(
+        SeriesInput(
+            name,
+            equations.inputs[name].unit,
+            equations.inputs[name].meaning or "input",
+            max((k for k in range(ORDERS) if ORDERS * place + k in needed), default=0),
+        )
+        for place, name in enumerate(names)
+    )
 
 
 def _drawn_numbers(store: Store, constants: Iterable[int]) -> dict[DrawnKey, int]:
@@ -188,6 +228,8 @@ def _event_jobs(
         jobs.append((JACOBIAN, [value for row in rows for value in row]))
     if terms:
         jobs.append((GUARDS, [*(t.guard.value for t in terms), *(t.rate for t in terms)]))
+    if any(isinstance(t.by_rates, Value) or t.by_rates for t in terms):
+        jobs.append((GUARD_CHANGES, [t.by_rates for t in terms]))
     if impacts:
         nothing = (0,) * len(equations.rates)
         restitutions = [0 if t.guard.restitution is None else t.guard.restitution for t in terms]
@@ -277,5 +319,7 @@ def _canonical(program: Program) -> Iterable[str]:
         yield f"{unnumbered!r} {INPUT}" if parameter.is_input else repr(unnumbered)
     for number, table in program.tables.items():
         yield f"{number} {table!r}"
+    for series in program.series:
+        yield repr(series)
     for function in program.functions.values():
         yield from canonical(function)

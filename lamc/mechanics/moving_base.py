@@ -113,7 +113,7 @@ def prescribe_base(
     store: Store, base: PrescribedBase, time: Value, inputs: Mapping[str, Scalar]
 ) -> StagedMotion:
     """The base that moves as prescribed, with velocities and accelerations by differentiation in time; `inputs` of the
-    scene stand still."""
+    scene stand still, but for those that follow a series."""
     with store.section(
         "Motion of the base", effect=base.effect, source="as told, and its derivatives in time"
     ):

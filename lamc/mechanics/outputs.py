@@ -43,6 +43,10 @@ def energies_of(placement: Placement, masses: Masses, u: Sequence[Scalar], loads
             energies[added.effect] = energies.get(added.effect, 0) + added.energy(
                 *point_motion(placement, added, motions)
             )
+    for i, reflected in sorted(loads.reflected.items()):
+        for effect, inertia in reflected:
+            with store.section("Kinetic energy of gears", effect=effect, source="½ J u²"):
+                energies[effect] = energies.get(effect, 0) + 0.5 * (inertia * (u[i] * u[i]))
     return energies
 
 

@@ -7,9 +7,11 @@ for. It knows nothing of what they are for.
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from lamc.basics.checks import checked_number
+from lamc.basics.checks import checked_number, did_you_mean
 from lamc.basics.errors import DesignError, about
+from lamc.basics.si_units import si_unit
 from lamc.records.inputs import Input
+from lamc.records.series import ORDERS
 from lamc.symbolic.program import Parameter, Space
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import Store
@@ -21,6 +23,13 @@ class Parameters:
 
     store: Store
     records: list[Parameter] = field(default_factory=list)
+    units: dict[str, str] = field(default_factory=dict)  # of the series
+    series: dict[str, Value] = field(
+        default_factory=dict
+    )  # inputs that follow one, in the order of their constants
+    asked: set[str] = field(
+        default_factory=set
+    )  # those of them that an effect asked for as a parameter of its own
     _places: dict[str, int] = field(default_factory=dict)
 
     def add(
@@ -30,6 +39,8 @@ class Parameters:
 
         Raises DesignError for a default that is not finite, and for a name that stands for something else already.
         """
+        if is_input and name in self.series:
+            return self._asked(name, unit)
         index = self._places.setdefault(name, len(self.records))
         value = checked_number(default, f"the default of parameter {name!r}")
         if index == len(self.records):
@@ -42,6 +53,25 @@ class Parameters:
                 "choose another name"
             )
         return self.store.symbol(name, Space.PARAMETER, index)
+
+    def _asked(self, name: str, unit: str) -> Scalar:
+        """The symbol of the series that an effect's own input follows."""
+        own, given = si_unit(unit).text, self.units[name]
+        if own != given:
+            with about(("inputs", name)):
+                raise DesignError(f"the input {name!r} has the unit {given!r}; an effect reads it in {own!r}")
+        self.asked.add(name)
+        return self.series[name]
+
+    def check_asked(self) -> None:
+        """Once all effects had their turn: raises DesignError for a series with the name of an effect's own input,
+        such as knee.torque, that no effect has."""
+        for name in self.series:
+            if "." in name and name not in self.asked:
+                known = [each.name for each in self.records if each.is_input and "." in each.name]
+                hint = did_you_mean(name, known) if known else "none of the scene's effects has such inputs"
+                with about(("inputs", name)):
+                    raise DesignError(f"no effect of the scene has an input {name!r} of its own; {hint}")
 
     def from_outside(self) -> tuple[Value, ...]:
         """The symbols of inputs that effects bring and that are zero unless set otherwise."""
@@ -64,7 +94,18 @@ class Parameters:
                         f"an input is named {name!r}, as the equations name the motion of {named[name]!r}; choose "
                         "another name"
                     )
+        for name, each in sorted(inputs.items()):
+            if each.series is not None:
+                self.units[name] = each.unit
+                self.series[name] = self.store.series(name, ORDERS * len(self.series), ORDERS)
         return {
-            name: self.add(name, each.default, each.unit, each.meaning or "input", is_input=True)
+            name: self.series[name]
+            if each.series is not None
+            else self.add(name, each.default, each.unit, each.meaning or "input", is_input=True)
             for name, each in sorted(inputs.items())
         }
+
+    @property
+    def first_mode(self) -> int:
+        """The constant behind those that the runtime keeps for series."""
+        return ORDERS * len(self.series)

@@ -91,6 +91,12 @@ def powers_of(loads: "Loads", moving: Moving) -> dict[str, Scalar]:
     for added in loads.added:
         with store.section("Power of the fluid", effect=added.effect, source="-wᵀ A dw/dt"):
             result[added.effect] = result.get(added.effect, 0) - _of_added(added, moving, motions)
+    for index, reflected in sorted(loads.reflected.items()):
+        for effect, inertia in reflected:
+            with store.section("Power of gears", effect=effect, source="-J u du/dt"):
+                u = moving.u[index]
+                work = inertia * (u * moving.speeds[u]) if isinstance(u, Value) else 0
+                result[effect] = result.get(effect, 0) - work
     return result
 
 

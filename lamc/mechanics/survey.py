@@ -65,8 +65,8 @@ class Survey:
 def can_survey(arrangement: Arrangement) -> bool:
     """Whether a survey tells all: not of loops that are eliminated by a plan, which follows from numbers, nor of those
     in which something yields. They are derived, and their programs compared."""
-    yields = len(arrangement.plain_coordinates) > len(arrangement.tree.hinges)
-    return not arrangement.tree.cuts or (len(arrangement.tree.hinges) <= FEW and not yields)
+    few = len(arrangement.tree.hinges) <= FEW
+    return not arrangement.tree.cuts or (few and not arrangement.yields)
 
 
 @collector_paused
@@ -166,6 +166,8 @@ def _of_loads(loads: Loads) -> Iterator[str]:
         yield repr([(index, _texts((*f, *m))) for index, (f, m) in sorted(account.wrenches.items())])
     for added in loads.added:
         yield repr((added.effect, added.link, _texts(added.arm), [_texts(row) for row in added.matrix]))
+    for place, reflected in sorted(loads.reflected.items()):
+        yield repr([(place, effect, _texts([inertia])) for effect, inertia in reflected])
     for guard in loads.guards:
         yield repr((guard.name, _texts([guard.value, guard.mode, guard.restitution])))
 

@@ -19,6 +19,7 @@ from lamc.readers.native_drawings import Drawings
 from lamc.readers.schema import OutlineModel
 from lamc.records.effect import Effect
 
+_EMPTY = MultiPolygon()
 Region: TypeAlias = Polygon | MultiPolygon
 Entries: TypeAlias = Sequence[tuple[Region, bool]]
 
@@ -70,10 +71,10 @@ def sheet_of_regions(entries: Entries, layer: str, account: Account) -> MultiPol
     """Shapes in order, True for those that are cut from what was drawn before them. Raises DesignError where they are
     too much work to overlay."""
     account.overlay([region for region, _ in entries], f"the outlines in layer {layer!r}")
-    sheet = MultiPolygon()
+    sheet = _EMPTY
     for cut, run in groupby(entries, key=lambda entry: entry[1]):
         joined = shapely.union_all([region for region, _ in run])  # in one go: one by one costs the square
-        sheet = shapes.areas(sheet.difference(joined) if cut else shapely.union_all([sheet, joined]))
+        sheet = shapes.areas(shapely.difference(sheet, joined) if cut else shapely.union_all([sheet, joined]))
     return sheet
 
 

@@ -1,7 +1,7 @@
 """The inputs that scenes in files declare: numbers from outside, such as `drive: 0 N*mm`.
 
 In: plain data by name, with its place, and the effects of the scene. Out: `Input`s in SI; every problem is noted at its
-place. No effect is known here by name.
+place. A series is read from a CSV file beside it, or stands there row by row. No effect is known here by name.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,8 +11,17 @@ from lamc.basics.errors import DesignError
 from lamc.basics.si_units import measured
 from lamc.readers.checking import Path, Problems
 from lamc.readers.numbers import Numbers
+from lamc.readers.series_input import is_series, series_input
 from lamc.records.effect import Effect
-from lamc.records.inputs import Input, check_inputs, check_name, check_read, inputs_of
+from lamc.records.inputs import (
+    Input,
+    check_inputs,
+    check_name,
+    check_read,
+    check_smooth,
+    inputs_of,
+    is_of_effect,
+)
 
 _FIELDS = ("default", "unit", "meaning")
 
@@ -35,14 +44,20 @@ def read_inputs(
     whole = all(effect is not None for effect, _ in effects)
     made = [(effect, path) for effect, path in effects if effect is not None]
     read = {name for effect, _ in made for name in inputs_of(effect)}
-    kept = {n: v for n, v in said.items() if n in read or (whole and v[1][: len(own)] == own)}
+    kept = {
+        n: v for n, v in said.items() if n in read or (whole and v[1][: len(own)] == own) or is_of_effect(n)
+    }
     inputs: dict[str, Input] = {}
     fine = True
     for name, (value, path) in kept.items():
-        found = problems.attempt(path, lambda n=name, v=value: input_of(n, v, numbers))  # type: ignore[misc]
+        found = problems.attempt(path, lambda n=name, v=value, p=path: _made(n, v, p, problems, numbers))  # type: ignore[misc]
         if found is not None:
             inputs[name] = found
         fine = fine and found is not None
+    for name, each in inputs.items():
+        for effect, _ in made:
+            smooth = problems.attempt(kept[name][1], lambda e=effect, n=name, i=each: _smooth(e, n, i))  # type: ignore[misc]
+            fine = fine and smooth is not None
     for effect, path in made:
         known = problems.attempt(path, lambda e=effect: _known(e, kept))  # type: ignore[misc]
         fine = fine and known is not None
@@ -50,6 +65,13 @@ def read_inputs(
         unread = problems.attempt(kept[name][1], lambda n=name: _read(n, read))  # type: ignore[misc]
         fine = fine and unread is not None
     return inputs if fine else None
+
+
+def _made(name: str, value: object, path: Path, problems: Problems, numbers: Numbers | None) -> Input:
+    if not is_series(value):
+        return input_of(name, value, numbers)
+    check_name(name, of_effect=True)
+    return series_input(value, problems.folder, lambda key: problems.place((*path, key)))
 
 
 def input_of(name: str, value: object, numbers: Numbers | None = None) -> Input:
@@ -88,7 +110,12 @@ def _known(effect: Effect, names: Mapping[str, object]) -> bool:
     return True
 
 
+def _smooth(effect: Effect, name: str, each: Input) -> bool:
+    check_smooth(effect, {name: each})
+    return True
+
+
 def _read(name: str, read: set[str]) -> bool:
-    if name not in read:
+    if name not in read and not is_of_effect(name):
         check_read((name,), ())
     return True

@@ -12,6 +12,8 @@ from pydantic_core import CoreSchema, core_schema
 
 from lamc.basics.fields import UNIT
 from lamc.readers.fields import AngleRate, AnyAngle, Duration, Gap, LengthUnit, SpacePoint, StrictModel
+from lamc.readers.series_file import GAPS
+from lamc.records.series import BEYOND, HOLDS
 
 _CALLED: dict[str, Any] = {"type": ["object", "array", "null"]}
 _INPUT_FIELDS = {
@@ -23,11 +25,39 @@ _INPUT_FIELDS = {
     "unit": {"type": "string", "description": "of a default that is written without one"},
     "meaning": {"type": "string", "description": "what it is, in a few words"},
 }
+_ROW = {"type": "array", "items": {"type": "number"}}
+_COLUMN = {"type": ["string", "integer"]}
+_SERIES_FIELDS = {
+    "csv": {"type": "string", "description": "file with columns over time, from this file on"},
+    "column": {
+        **_COLUMN,
+        "description": "name or number, from 1, of the values; the only one beside the time if not said",
+    },
+    "time": {**_COLUMN, "description": "name or number of the times; t, time or the first if not said"},
+    "unit": {"type": "string", "description": "of the values, such as deg; else as the heading says, [deg]"},
+    "time_unit": {
+        "type": "string",
+        "description": "of the times, such as ms; else as the heading says, or s",
+    },
+    "hold": {
+        "enum": list(HOLDS),
+        "description": "between rows: each value until the next, straight lines, or a smooth spline",
+    },
+    "beyond": {
+        "enum": list(BEYOND),
+        "description": "before the first row and after the last: refuse the run, or hold the value",
+    },
+    "gaps": {"enum": list(GAPS), "description": "rows without a number: refuse them, or leave them out"},
+    "t": {**_ROW, UNIT: "s", "description": "times, in place of a file"},
+    "values": {**_ROW, UNIT: "of the input", "description": "values at these times"},
+    "meaning": {"type": "string", "description": "what it is, in a few words"},
+}
 _INPUTS: dict[str, Any] = {
     "additionalProperties": {
         "anyOf": [
             {"type": ["number", "string"], UNIT: "of the input"},
             {"type": "object", "properties": _INPUT_FIELDS, "additionalProperties": False},
+            {"type": "object", "properties": _SERIES_FIELDS, "additionalProperties": False},
         ]
     },
 }
@@ -81,7 +111,8 @@ class SceneModel(StrictModel):
     inputs: dict[str, Any] = Field(
         {},
         description="numbers from outside by name, which expressions may hold: the value until told otherwise, with "
-        "its unit, or a map of default, unit and meaning",
+        "its unit, or a map of default, unit and meaning; or what they follow over time, as {csv: bench.csv, column: "
+        "cmd, unit: deg, hold: linear}",
         json_schema_extra=_INPUTS,
     )
     parameters: dict[str, Any] = Field(

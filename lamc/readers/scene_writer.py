@@ -13,7 +13,9 @@ from lamc.basics.errors import DesignError
 from lamc.effects.registered import RegisteredEffect
 from lamc.readers.effect_calls import make_effect
 from lamc.readers.scene_file import SINGLE
+from lamc.readers.series_input import MOST_IN_SCENE
 from lamc.records.effect import Effect
+from lamc.records.inputs import Input
 from lamc.records.scene import TURN, OutputPoint, Scene
 
 
@@ -46,7 +48,7 @@ def scene_data(scene: Scene) -> dict[str, Any]:
     if scene.rates:
         data["rates"] = dict(sorted(scene.rates.items()))
     if scene.inputs:
-        data["inputs"] = {name: _plain(each) for name, each in scene.inputs.items()}
+        data["inputs"] = {name: _input_data(name, each) for name, each in scene.inputs.items()}
     if scene.parameters:
         data["parameters"] = dict(scene.parameters)
     for name in SINGLE:
@@ -54,6 +56,21 @@ def scene_data(scene: Scene) -> dict[str, Any]:
         if value is not None:
             data[name] = [_output_data(each) for each in value] if isinstance(value, tuple) else value
     return data or {"angles": {}}  # a scene in a file says something
+
+
+def _input_data(name: str, each: Input) -> object:
+    """An input as plain data; a series row by row."""
+    series = each.series
+    if series is None:
+        return {key: value for key, value in _fields(each).items() if key != "series"}
+    if len(series.t) > MOST_IN_SCENE:
+        raise DesignError(
+            f"the series of the input {name!r} has {len(series.t)} rows, and a scene holds {MOST_IN_SCENE} at most; "
+            "keep it in a CSV file, and name that in the scene"
+        )
+    said: dict[str, object] = {"unit": each.unit, "meaning": each.meaning, "hold": series.hold}
+    said |= {"beyond": series.beyond, "t": series.t.tolist(), "values": series.values.tolist()}
+    return {key: value for key, value in said.items() if value not in ("", "1", "refuse")}
 
 
 def _output_data(output: str | OutputPoint) -> object:
@@ -87,6 +104,11 @@ def _plain(value: object) -> object:
     if isinstance(value, tuple | list):
         return [_plain(v) for v in value]
     if is_dataclass(value) and not isinstance(value, type):
-        said = {f.name: (getattr(value, f.name), f.default) for f in fields(value) if f.init}
-        return {name: _plain(v) for name, (v, default) in said.items() if default is MISSING or v != default}
+        return _fields(value)
     return value
+
+
+def _fields(record: Any) -> dict[str, object]:
+    """The fields of a record that differ from their defaults."""
+    said = {f.name: (getattr(record, f.name), f.default) for f in fields(record) if f.init}
+    return {name: _plain(v) for name, (v, default) in said.items() if default is MISSING or v != default}

@@ -1,8 +1,8 @@
 """Inputs of a scene: named numbers that come from outside while a model runs, such as the command of a controller.
 
-In: default, unit and meaning of each, by name. Out: checked records. They may stand in the expressions of drives and
-are constant within a run; each is a parameter of the model. Effects tell which they read; what does not fit is refused
-by name. Never: knows an effect by name, or a file.
+In: default, unit and meaning of each, by name. Out: checked records. They may stand in the expressions of drives.
+One is constant within a run and a parameter of the model, or it follows a series. Effects tell which they read; what
+does not fit is refused by name. Never: knows an effect by name, or a file.
 """
 
 import keyword
@@ -11,18 +11,23 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lamc.basics.checks import checked_number, shown
+from lamc.basics.checks import checked_kind, checked_number, shown
 from lamc.basics.errors import DesignError, ExpressionError, about
 from lamc.basics.given import GivenNumber
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.basics.si_units import in_unit, measured, si_unit
 from lamc.records.effect import hooked
+from lamc.records.series import Series
 from lamc.symbolic.functions import FUNCTIONS
 
 LONGEST_NAME = 40
+LONGEST_OF_EFFECT = 250  # a name of a joint, and what the effect adds
+SECOND = 2  # order of what a prescribed motion is differentiated to
 MOST = 1000
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
-_STAGED = re.compile(r"z[0-9]+|mode_[0-9]+|(?:M|J|f|phi|gamma)(?:_[0-9]+)+")  # what `Equations` calls its own
+_STAGED = re.compile(
+    r"z[0-9]+|mode_[0-9]+|series_[0-9]+|(?:M|J|f|phi|gamma)(?:_[0-9]+)+"
+)  # what `Equations` calls its own
 _MEANS = {
     "t": "the time",
     "angle": "the angle of the driven joint",
@@ -38,6 +43,8 @@ class Input:
     default  its value until set otherwise, in `unit`; or text with its own, "3 N*mm"
     unit     SI, such as "N*m"; "1" for a plain number
     meaning  what it is, in a few words
+    series   values over time, in `unit`, that it follows; it has no default then. Another recording compiles nothing
+             anew: see `Simulator.run`
 
     Raises DesignError for a default that is no finite number and a unit that is not SI.
     """
@@ -45,12 +52,22 @@ class Input:
     default: GivenNumber = 0.0  # type: ignore[assignment]
     unit: str = "1"
     meaning: str = ""
+    series: Series | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.unit, str) or not isinstance(self.meaning, str):
             raise DesignError(
                 f"an input has unit {shown(self.unit)} and meaning {shown(self.meaning)}; both must be text"
             )
+        if self.series is not None:
+            checked_kind(
+                self.series, Series, "the series of an input", "make one with lamc.Series(t, values)"
+            )
+            if self.default != 0.0:
+                raise DesignError(
+                    f"an input has a series and the default {shown(self.default)}; it follows the series: leave the "
+                    "default out"
+                )
         unit = si_unit(self.unit)
         if unit.factor != 1.0:
             raise DesignError(
@@ -83,14 +100,17 @@ def checked_inputs(inputs: object) -> Mapping[str, Input]:
     if len(inputs) > MOST:
         raise DesignError(f"the scene has {len(inputs)} inputs; at most {MOST} are taken")
     for name, each in inputs.items():
-        check_name(name)
+        check_name(name, of_effect=isinstance(each, Input) and each.series is not None)
         if not isinstance(each, Input):
             raise DesignError(f"input {name!r} of a scene is {shown(each)}; make one with lamc.Input(…)")
     return ReadOnlyDict({name: inputs[name] for name in sorted(inputs)})
 
 
-def check_name(name: object) -> None:
-    """Raises DesignError for a name that no input can have."""
+def check_name(name: object, *, of_effect: bool = False) -> None:
+    """Raises DesignError for a name that no input can have. of_effect: it may be what an effect calls
+    its input, such as knee.torque."""
+    if of_effect and isinstance(name, str) and is_of_effect(name) and len(name) <= LONGEST_OF_EFFECT:
+        return
     if not isinstance(name, str) or _NAME.match(name) is None or len(name) > LONGEST_NAME:
         raise DesignError(
             f"an input is named {shown(name)}; a name is of letters, digits and _, begins with a letter, and has at "
@@ -107,6 +127,11 @@ def check_name(name: object) -> None:
         raise DesignError(
             f"an input is named {name!r}, which is {taken}; choose another name, such as {name + '_in'!r}"
         )
+
+
+def is_of_effect(name: str) -> bool:
+    """Whether a name is one that only effects give to their inputs, such as knee.torque."""
+    return "." in name and name.isprintable()
 
 
 def inputs_of(effect: Any) -> tuple[str, ...]:
@@ -135,11 +160,31 @@ def check_inputs(effect: object, known: Collection[str]) -> None:
                 )
 
 
+def check_smooth(effect: object, inputs: Mapping[str, Input]) -> None:
+    """Raises DesignError for a drive of `effect` that is differentiated twice, and holds a series that cannot be."""
+    for drive in hooked(effect).drives():
+        for name in drive.inputs() if drive.smooth else ():
+            series = inputs[name].series if name in inputs else None
+            if series is not None and series.smoothness < SECOND:
+                with about(("inputs", name)):
+                    raise DesignError(rough(name, series, SECOND, drive.what))
+
+
+def rough(name: str, series: Series, order: int, what: str) -> str:
+    """That `what` needs a derivative that the series does not have, and the way out."""
+    jumps = "jumps" if series.hold == "previous" else "has kinks"
+    derivative = "rate" if order == 1 else "acceleration"
+    return (
+        f"the input {name!r} holds {series.hold!r} between its rows, so it {jumps}, and {what} needs its {derivative}, "
+        "which is infinite there; take hold: cubic"
+    )
+
+
 def check_read(inputs: Iterable[str], effects: Iterable[object]) -> None:
     """Raises DesignError for an input of the scene that none of its effects reads."""
     read = {name for effect in effects for name in inputs_of(effect)}
     for name in inputs:
-        if name not in read:
+        if name not in read and not is_of_effect(name):
             with about(("inputs", name)):
                 raise DesignError(
                     f"the scene's input {name!r} is read by none of its effects; take it away, or write it into the "

@@ -16,7 +16,15 @@ from lamc.basics.places import Places
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.basics.units import ANGLE, ANGLE_RATE, DURATION, LENGTH, Quantity
 from lamc.records.effect import Effect, check_hooks, overrides
-from lamc.records.inputs import Input, check_inputs, check_read, checked_inputs, inputs_of
+from lamc.records.inputs import (
+    Input,
+    check_inputs,
+    check_read,
+    check_smooth,
+    checked_inputs,
+    inputs_of,
+    is_of_effect,
+)
 
 TURN = 2.0 * math.pi  # rad
 _NEEDED = ("name", "summary", "contribute")  # what `lamc.records.effect.Effect` asks for
@@ -163,8 +171,9 @@ class Scene:
     duration  s, how long `lamc run` simulates the scene, if not told; None: 10 s
     parameters  of the model, values by name in place of the design's, as `Simulator.parameters` names them and
              "h1.stiffness" or "link_1.mass": what a fit found; SI, or text with a unit
-    inputs   numbers from outside by name, which expressions of the effects may hold; constant within a run, and
-             parameters of the simulator
+    inputs   numbers from outside by name, which expressions of the effects may hold: constant within a run, and
+             parameters of the simulator, or following a series; a series may also have the name of an input that an
+             effect brings, such as "knee.torque" of external_torque
     outputs  what of the motion matters: names of joints (angles), of coordinates that effects add, such as "base.qw",
              and "BODY.x", ".y" and ".z" (centre of mass); or an `OutputPoint`, any point of a body; None: all joints
     places   where its parts stand in its file; empty for a scene made by hand
@@ -201,6 +210,7 @@ class Scene:
         effects = (*(self.effects or ()), *self.added)
         for effect in effects:
             check_inputs(effect, self.inputs)
+            check_smooth(effect, self.inputs)
         check_read(self.inputs, effects)
         object.__setattr__(self, "angles", _start(self.angles, "angles", "initial angle", ANGLE))
         object.__setattr__(self, "rates", _start(self.rates, "rates", "initial rate", ANGLE_RATE))
@@ -239,7 +249,7 @@ class Scene:
         """The same in which exactly these effects act, with the inputs that they read."""
         acting = tuple(effects)
         read = {name for effect in acting for name in inputs_of(effect)}
-        inputs = {name: each for name, each in self.inputs.items() if name in read}
+        inputs = {name: each for name, each in self.inputs.items() if name in read or is_of_effect(name)}
         return replace(self, effects=acting, added=(), without=(), inputs=inputs)
 
 

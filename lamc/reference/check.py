@@ -4,7 +4,7 @@ The cross-checks are the generated C, the same Program interpreted in Python, an
 (with maximal coordinates beside it). Each comparison has a limit and a reason; nothing is printed here.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -26,6 +26,8 @@ from lamc.reference.interpreter import Interpreter
 from lamc.reference.loads import known_effects
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.newton_euler import NewtonEuler
+from lamc.reference.series import following
+from lamc.run.following import series_of
 from lamc.symbolic.program import Program
 
 Array = npt.NDArray[np.float64]
@@ -85,12 +87,24 @@ def check(
     if general:
         return check_general(simulator, general, states, t_end, seed, tell)
     joints = program.joints
-    interpreter = Interpreter(program)
+    series = series_of(simulator.scene)
+    interpreter = Interpreter(program, series)
     constants = interpreter.constants()
     inputs = {p.name: p.default for p in program.parameters if p.is_input}
-    known, unknown = known_effects(with_inputs(simulator.mechanism, simulator.effects, inputs))
+    effects = with_inputs(simulator.mechanism, simulator.effects, inputs | dict.fromkeys(series, 0.0))
+    unknown = known_effects(effects)[1]
     unknown = unknown or ", ".join(left_to_model(simulator.mechanism, simulator.scene))
-    newton = NewtonEuler(simulator.mechanism, known, joints)
+
+    def voice(of: Callable[..., Any]) -> Any:
+        return following(
+            lambda effects: of(simulator.mechanism, known_effects(effects)[0], joints),
+            simulator.mechanism,
+            simulator.effects,
+            inputs,
+            series,
+        )
+
+    newton: NewtonEuler = voice(NewtonEuler)
     cross_checks: dict[str, Acceleration] = {
         "C": simulator.acceleration,
         "interpreter": lambda q, u, t: interpreter.acceleration(t, q, u, constants),
@@ -104,7 +118,7 @@ def check(
     else:
         cross_checks["Newton-Euler"] = newton.acceleration
         if len(simulator.mechanism.joints) <= MAXIMAL_BODIES:
-            maximal = MaximalCoordinates(simulator.mechanism, known, joints)
+            maximal = voice(MaximalCoordinates)
             cross_checks["maximal"] = maximal.acceleration
         else:
             notes.append(

@@ -20,7 +20,9 @@ from lamc.reference.lagrange import ARRANGED, Lagrange
 from lamc.reference.loads import known_effects
 from lamc.reference.modal_integrals import modal_integrals
 from lamc.reference.moving_base import MOVING, MovingNewtonEuler
+from lamc.reference.series import following
 from lamc.reference.strip_springs import strip_springs
+from lamc.run.following import series_of
 
 Array = npt.NDArray[np.float64]
 
@@ -53,17 +55,26 @@ def check_general(
     general  names of the effects that go beyond hinges on a fixed world
     """
     program = simulator.program
-    interpreter = Interpreter(program)
+    series = series_of(simulator.scene)
+    interpreter = Interpreter(program, series)
     constants = interpreter.constants()
     inputs = {p.name: p.default for p in program.parameters if p.is_input}
-    effects = with_inputs(simulator.mechanism, simulator.effects, inputs)
-    known, unknown = known_effects(effects, ARRANGED)
+    mechanism, joints = simulator.mechanism, program.joints
+    effects = with_inputs(mechanism, simulator.effects, inputs | dict.fromkeys(series, 0.0))
+    unknown = known_effects(effects, ARRANGED)[1]
     unknown = unknown or ", ".join(left_to_model(simulator.mechanism, simulator.scene))
     names = tuple(rate.name for rate in program.rates)
-    lagrange = Lagrange(simulator.mechanism, effects, program.joints, names, known)
+
+    def by_lagrange(acting: tuple[Any, ...]) -> Lagrange:
+        return Lagrange(mechanism, acting, joints, names, known_effects(acting, ARRANGED)[0])
+
+    def by_newton(acting: tuple[Any, ...]) -> MovingNewtonEuler:
+        return MovingNewtonEuler(mechanism, known_effects(acting, ARRANGED)[0], joints)
+
+    lagrange: Lagrange = following(by_lagrange, mechanism, simulator.effects, inputs, series)
     cross_checks: dict[str, CrossCheck] = {"Lagrange": lagrange}
     if set(general) <= set(MOVING):
-        cross_checks["Newton-Euler"] = MovingNewtonEuler(simulator.mechanism, known, program.joints)
+        cross_checks["Newton-Euler"] = following(by_newton, mechanism, simulator.effects, inputs, series)
     notes = [
         f"{', '.join(sorted(general))}: the motion is not integrated a second time, its accelerations are compared"
     ]

@@ -16,8 +16,11 @@ from lamc.records.mechanism import Mechanism
 _NAME = re.compile(r"(?<![\w.])[A-Za-z]\w*", re.ASCII)
 
 
-def with_inputs(mechanism: Mechanism, effects: Iterable[Any], inputs: Mapping[str, float]) -> tuple[Any, ...]:
-    """The effects as they act while `inputs` have these values; a torque from outside that has none is zero."""
+def with_inputs(
+    mechanism: Mechanism, effects: Iterable[Any], inputs: Mapping[str, float | str]
+) -> tuple[Any, ...]:
+    """The effects as they act while `inputs` have these values, numbers or expressions in t; a torque from outside that
+    has none is zero."""
     effects = tuple(effects)
     if not inputs:
         return effects
@@ -27,7 +30,9 @@ def with_inputs(mechanism: Mechanism, effects: Iterable[Any], inputs: Mapping[st
     return tuple(_with_inputs(mechanism, effect, inputs, constant) for effect in effects)
 
 
-def _with_inputs(mechanism: Mechanism, effect: Any, inputs: Mapping[str, float], constant: set[str]) -> Any:
+def _with_inputs(
+    mechanism: Mechanism, effect: Any, inputs: Mapping[str, float | str], constant: set[str]
+) -> Any:
     if effect.name == "external_torque":
         joints = effect.joints or [joint.name for joint in mechanism.joints]
         return Torque({name: inputs.get(f"{name}.torque", 0.0) for name in joints if name not in constant})
@@ -48,9 +53,9 @@ def _holds(value: object, texts: set[str]) -> bool:
     return any(isinstance(part, str) and part in texts for part in parts)
 
 
-def _written(value: Any, inputs: Mapping[str, float]) -> Any:
+def _written(value: Any, inputs: Mapping[str, float | str]) -> Any:
     if isinstance(value, str):
-        return _NAME.sub(lambda m: f"({inputs[m[0]]!r})" if m[0] in inputs else m[0], value)
+        return _NAME.sub(lambda m: f"({inputs[m[0]]})" if m[0] in inputs else m[0], value)
     if isinstance(value, Mapping):
         return {name: _written(each, inputs) for name, each in value.items()}
     return tuple(_written(each, inputs) for each in value) if isinstance(value, tuple) else value

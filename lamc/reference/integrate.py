@@ -6,6 +6,7 @@ observed. Neither shares code with the C runtime.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -14,10 +15,11 @@ from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
 from lamc.basics.errors import DesignError, SimulationError
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
-from lamc.reference.inputs import with_inputs
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.maximal import MaximalCoordinates
 from lamc.reference.newton_euler import NewtonEuler
+from lamc.reference.series import following
+from lamc.run.following import series_of
 
 Array = npt.NDArray[np.float64]
 Acceleration = Callable[[Array, Array, float], Array]
@@ -72,13 +74,18 @@ def cross_check(
 
     The numeric cross-checks need `scene.effects` stated (not None). Raises DesignError for another name.
     """
-    effects = with_inputs(
-        mechanism, scene.effects or (), {n: each.default for n, each in scene.inputs.items()}
-    )
-    if name == "newton-euler":
-        return NewtonEuler(mechanism, effects, joints).acceleration
-    if name == "maximal":
-        return MaximalCoordinates(mechanism, effects, joints).acceleration
+    voices: Mapping[str, Any] = {"newton-euler": NewtonEuler, "maximal": MaximalCoordinates}
+    if name in voices:
+        inputs = {n: each.default for n, each in scene.inputs.items()}
+        voice = following(
+            lambda effects: voices[name](mechanism, effects, joints),
+            mechanism,
+            scene.effects or (),
+            inputs,
+            series_of(scene),
+        )
+        found: Acceleration = voice.acceleration
+        return found
     if name != "interpreter" or interpreter is None:
         raise DesignError(
             f"no cross-check {name!r}; there are interpreter (with a program), newton-euler, maximal"

@@ -4,18 +4,31 @@ A `Program` goes in, numbers come out, one state at a time or a batch of states 
 operation comes from `operations.py`; nothing is shared with the C printer, and no text is made on the way.
 """
 
+import math
 from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from lamc.basics.errors import DesignError
+from lamc.records.series import ORDERS
 from lamc.reference.constrained import constrained
 from lamc.symbolic.listing import listing_of, run
 from lamc.symbolic.operations import BATCHED, SCALAR, lookups
 from lamc.symbolic.program import Program, Space
 
 Array = npt.NDArray[np.float64]
+
+
+class Curve(Protocol):
+    """A function of the time, with its derivatives."""
+
+    def at(self, t: Any, order: int = 0, /) -> Any: ...
+
+
+NO_CURVES: Mapping[str, Curve] = MappingProxyType({})
 
 
 class Interpreter:
@@ -25,8 +38,10 @@ class Interpreter:
     a leading axis of length k. Raises EmitError for an operation without a meaning here.
     """
 
-    def __init__(self, program: Program) -> None:
+    def __init__(self, program: Program, curves: Mapping[str, Curve] = NO_CURVES) -> None:
+        """curves: what inputs follow over time, by name; one that is missing is NaN."""
         self.program = program
+        self._curves = [curves.get(each.name) for each in program.series]
         self.joints = program.joints
         self.bodies = program.bodies
         tables = lookups(program.tables)
@@ -111,6 +126,15 @@ class Interpreter:
                 sensed[guard.mode] = 1.0 if value > 0.0 else 0.0
         return sensed
 
+    def _at(self, t: float, constants: Array) -> list[float]:
+        """`constants` with what inputs come to at t: for each its value and derivatives, the first of all."""
+        known: list[float] = np.asarray(constants).tolist()
+        for place, curve in enumerate(self._curves):
+            for order in range(ORDERS):
+                value = math.nan if curve is None else float(curve.at(np.float64(t), order))
+                known[ORDERS * place + order] = value
+        return known
+
     def _solved(self, t: float, q: Array, u: Array, constants: Array) -> Array:
         """u̇ of M u̇ = f and the closure, at one state."""
         n, held = len(self.program.rates), np.zeros(0)
@@ -146,7 +170,7 @@ class Interpreter:
         nq, nu = len(program.coordinates), len(program.rates)
         if not alike or (q.shape[-1], u.shape[-1]) != (nq, nu):
             raise DesignError(f"angles {q.shape} and rates {u.shape} must be (…, {nq}) and (…, {nu})")
-        fixed = {Space.CONSTANT: np.asarray(constants).tolist(), Space.TIME: [float(t)]}
+        fixed = {Space.CONSTANT: self._at(t, constants), Space.TIME: [float(t)]}
         if udot is not None:
             fixed[Space.ACCELERATION] = np.asarray(udot).tolist()
         if q.ndim == 1:

@@ -104,6 +104,7 @@ class Lagrange:
             if push.moment is not None:
                 force += _turns(placed.poses[push.body]) @ push.moment
         self._add_fluid(placed, mass, force)
+        self._push_by_gears(q, u, t, force)
         for spring in self._elastic.at(q, u, held):
             force -= spring.force()
         seconds = [
@@ -124,6 +125,11 @@ class Lagrange:
             moved, normal = _pair(placed, fluid.body, fluid.moving, fluid.normal)
             speed = float(normal.value @ moved.first)
             values[fluid.effect] += 0.5 * fluid.mass * speed**2
+        for effect, k, inertia in self._loads.reflected:
+            values[effect] += 0.5 * inertia * float(u[self._slots[k]]) ** 2
+        for gear in self._loads.gears:
+            i, k = self._chain.index[f"{gear.joint}.gear"], self._slots[gear.place]
+            values["servo"] += gear.energy(q[i] - q[k], u[i])
         for spring in self._elastic.at(q, u, sides[len(self.cuts) :]):
             values[spring.effect] = values.get(spring.effect, 0.0) + spring.energy()
         return values
@@ -226,7 +232,19 @@ class Lagrange:
             mass += np.tensordot(momenta, P.partials, axes=([1, 2], [1, 2]))
             force -= np.tensordot(momenta, P.second, axes=([1, 2], [0, 1]))
             force += momenta[:, :, 3] @ self._loads.gravity
+        turning = [(self._slots[k], inertia) for _, k, inertia in self._loads.reflected]
+        turning += [(self._chain.index[f"{gear.joint}.gear"], gear.inertia) for gear in self._loads.gears]
+        for i, inertia in turning:
+            mass[i, i] += inertia
         return mass, force
+
+    def _push_by_gears(self, q: Array, u: Array, t: float, force: Array) -> None:
+        """Gears with play: a turning mass beside the bodies, that its motor drives and whose flanks push the joint."""
+        for gear in self._loads.gears:
+            i, k = self._chain.index[f"{gear.joint}.gear"], self._slots[gear.place]
+            push = gear.push(q[i] - q[k], u[i] - u[k])
+            force[i] += gear.motor({"t": t, "angle": float(q[i]), "rate": float(u[i])}) - push
+            force[k] += push
 
     def _add_fluid(self, placed: Placed, mass: Array, force: Array) -> None:
         """Lagrange's equations of ½ m s², s = n · v: m (ṡ n + s ṅ) · δx - m s δn · v."""

@@ -15,10 +15,12 @@ from lamc.basics.errors import DesignError, UnsupportedError
 from lamc.records.mechanism import Joint, Mechanism
 from lamc.reference import hinge_laws
 from lamc.reference.bender import folding_bender, pushing_bender
+from lamc.reference.cable import cable
 from lamc.reference.contact import ground
 from lamc.reference.expression import Formula, Values, parse
 from lamc.reference.kinematics import Link, TreeState
 from lamc.reference.point_loads import BodyState, PointLoad, Push, spring, wrenches
+from lamc.reference.servo import LooseGear, loose_gear, place, servo
 from lamc.reference.wing import FluidMass, wing_in_air
 
 Array = npt.NDArray[np.float64]
@@ -38,6 +40,9 @@ class NumericLoads:
     laws         (name of the effect, index of the joint, formula of the energy that goes with such a torque, J)
     at_points    what acts on points of bodies
     fluid        mass of the air that goes with bodies; only cross-checks that know it may take such loads
+    reflected    (effect that books its energy, index of the joint, inertia that its rate feels besides, kg·m²), of
+                 rotors behind gears; as for `fluid`
+    gears        with play, of servos; as for `fluid`
     energies     names of the energies these loads store, in the order of the scene
     """
 
@@ -51,6 +56,8 @@ class NumericLoads:
     laws: tuple[tuple[str, int, Formula], ...]
     at_points: tuple[PointLoad, ...]
     fluid: tuple[FluidMass, ...]
+    reflected: tuple[tuple[str, int, float], ...]
+    gears: tuple[LooseGear, ...]
     energies: tuple[str, ...]
 
     def hinge_torques(self, t: float, q: Array, u: Array) -> Array:
@@ -88,6 +95,7 @@ class NumericLoads:
 KNOWN = (
     "external_torque",
     "blade_element_drag",
+    "cable",
     "gravity",
     "ground_contact",
     "hinge_damping",
@@ -97,6 +105,7 @@ KNOWN = (
     "nonlinear_stiffness",
     "piezo_bender",
     "rest_angle",
+    "servo",
     "spring",
     "torque",
 )
@@ -131,6 +140,8 @@ def numeric_loads(
     laws: list[tuple[str, int, Formula]] = []
     at_points: list[PointLoad] = []
     fluid: list[FluidMass] = []
+    reflected: list[tuple[str, int, float]] = []
+    gears: list[LooseGear] = []
     energies: list[str] = []
     effects = tuple(effects)
     linear = np.array([j.stiffness if j.name not in _bent(effects) else 0.0 for j in records])
@@ -168,9 +179,20 @@ def numeric_loads(
                 energies += ["joint_limits"] * bool(stored)
             case "linear_motor":
                 torques.append(_motor(effect, records))
+            case "servo" if effect.backlash:
+                gears.append(loose_gear(effect, records))
+                energies.append("servo")
+            case "servo":
+                torques.append((place(effect, records), servo(effect)))
+                if effect.gear_inertia:
+                    reflected.append(("servo", place(effect, records), effect.gear_inertia))
+                    energies.append("servo")
             case "spring":
                 at_points.append(spring(mechanism, effect))
                 energies.append("spring")
+            case "cable":
+                at_points.append(cable(mechanism, effect))
+                energies.append("cable")
             case "ground_contact":
                 at_points.append(ground(mechanism, effect, moving))
                 energies.append("ground_contact")
@@ -203,6 +225,8 @@ def numeric_loads(
         tuple(laws),
         tuple(at_points),
         tuple(fluid),
+        tuple(reflected),
+        tuple(gears),
         tuple(dict.fromkeys(energies)),
     )
 
@@ -217,6 +241,12 @@ def rigid_loads(
         raise UnsupportedError(
             f"this cross-check has no mass of the air around body {loads.fluid[0].body!r}; take `Lagrange` of "
             "lamc.reference.lagrange, or set added_mass to false"
+        )
+    geared = [joints[k] for _, k, _ in loads.reflected] + [gear.joint for gear in loads.gears]
+    if geared:
+        raise UnsupportedError(
+            f"this cross-check has no inertia of gears, such as that of joint {geared[0]!r}; take "
+            "`Lagrange` of lamc.reference.lagrange, or set it to 0"
         )
     return loads
 

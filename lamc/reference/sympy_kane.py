@@ -85,6 +85,8 @@ def kane(mechanism: Mechanism, effects: Iterable[Any], joints: Sequence[str] | N
         raise UnsupportedError(
             f"the KanesMethod peer does not know the effect {unknown!r}; leave it out of the scene"
         )
+    if loads.reflected or loads.gears:
+        raise UnsupportedError("the KanesMethod peer does not know the inertia of gears; set it to 0")
     n = len(links)
     q = tuple(dynamicsymbols(f"q:{n}")) if n else ()
     u = tuple(dynamicsymbols(f"u:{n}")) if n else ()

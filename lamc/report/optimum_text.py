@@ -17,6 +17,11 @@ def optimum_summary(best: Best) -> str:
     lines = [f"runs      {best.runs} by {best.method}" + (f", {failed} without a value" if failed else "")]
     if failed:
         lines.append(f"          {best.problem.reasons()}")
+    structures = int(best.structures.max(initial=-1)) + 1
+    if structures > 1:
+        lines.append(
+            f"compiled  {structures} structures, as the topology changes with what is varied: slopes end there"
+        )
     word = "converged" if best.converged else "not converged"
     lines += [f"{word}: {best.message}", "", _line("parameter", "value", "known to", "1 % of the value")]
     for name, value in best.parameters.items():

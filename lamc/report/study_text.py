@@ -19,6 +19,10 @@ def study_summary(table: Table) -> str:
     """How many points went how, and what was measured."""
     lines = [f"design    {table.design}", f"points    {_tally(table)}"]
     lines += [f"          {line}" for line in _reasons(table)]
+    lines += [
+        f"compiled  {_structures(table)}",
+        *(f"          {line}" for line in table.changes[:_MOST_REASONS]),
+    ]
     lines += ["", *_measures(table)]
     shares = indices(table)
     if shares:
@@ -42,6 +46,15 @@ def _tally(table: Table) -> str:
     if tally == {OK: table.count}:
         return f"{table.count}, all ok"
     return f"{table.count}: " + ", ".join(f"{count} {status}" for status, count in tally.items())
+
+
+def _structures(table: Table) -> str:
+    count = table.structure_count
+    if count < 2:
+        return "one structure for all points" if count else "nothing"
+    left = count - 1 - min(len(table.changes), _MOST_REASONS)
+    more = f" ({left} more than are told here: column structure)" if left else ""
+    return f"{count} structures, as the topology changes with what is varied{more}"
 
 
 def _reasons(table: Table) -> list[str]:

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from lamc.basics.brief import brief
 from lamc.basics.errors import RequestError
+from lamc.run.following import NOTHING, Following, Recorded
 from lamc.run.methods import NUMBERS
 from lamc.run.model import CompiledModule
 from lamc.run.request import Array, Request, Status
@@ -139,13 +140,14 @@ def run_instances(
     request: Request,
     method: str,
     threads: int | None,
+    following: Following = NOTHING,
     *,
     use_lanes: bool,
     why_alone: str,
 ) -> tuple[Array, npt.NDArray[np.int32], Array, EnsembleStats]:
     """Rows (instances, rows, nq + nu), statuses, times reached, and what it took."""
     assert request.t_eval is not None
-    task = _Task(module, instances, request, method, use_lanes=use_lanes)
+    task = _Task(module, instances, request, method, following, use_lanes=use_lanes)
     workers = min(threads or _processors(), max(1, math.ceil(instances.count / task.width)))
     started = time.perf_counter()
     task.run(workers, request)
@@ -180,7 +182,14 @@ class _Task:
     """A `lamc_ensemble` with the arrays that it reads and writes."""
 
     def __init__(
-        self, module: CompiledModule, instances: Instances, request: Request, method: str, *, use_lanes: bool
+        self,
+        module: CompiledModule,
+        instances: Instances,
+        request: Request,
+        method: str,
+        following: Following,
+        *,
+        use_lanes: bool,
     ) -> None:
         ffi, lib, self._module = module.ffi, module.lib, module
         count, rows = instances.count, request.t_eval
@@ -211,6 +220,9 @@ class _Task:
         max_step = request.max_step if math.isfinite(request.max_step) else 0.0
         task = self.handle = ffi.new("lamc_ensemble *")
         task.model, task.method = model, NUMBERS[method]
+        if following.series:
+            self._recorded = Recorded(ffi, following, following.breaks_of_run(request))
+            task.recording = self._recorded.handle
         task.options = [request.rtol, request.atol, 0.0, max_step, request.max_steps]
         task.t_end, task.count, task.row_count = request.t_end, count, len(rows)
         task.t_eval = address("double[]", rows)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from lamc.basics.errors import RequestError
+from lamc.basics.places import located_at
 from lamc.codegen.options import why_alone
 from lamc.records.effect import overrides
 from lamc.run.ensemble import Ensemble, Instances, run_instances
@@ -47,8 +48,18 @@ def ensemble_of(
         ends = np.array([0.0, request.t_end] if request.t_end > 0.0 else [0.0])
         request = replace(request, t_eval=ends)
     alone = _why_alone(simulator) if side_by_side else "side_by_side is off"
+    following = simulator.model.motion({}).following
+    with located_at(simulator.scene.places):
+        following.check_run(request.t_end)
     y, status, t_reached, stats = run_instances(
-        simulator.lanes, instances, request, integrator, threads, use_lanes=not alone, why_alone=alone
+        simulator.lanes,
+        instances,
+        request,
+        integrator,
+        threads,
+        following,
+        use_lanes=not alone,
+        why_alone=alone,
     )
     nq = len(simulator.coordinates)
     assert request.t_eval is not None
@@ -67,6 +78,8 @@ def ensemble_of(
 def _why_alone(simulator: "Simulator") -> str:
     """As the module was made; without the program, which would be derived anew where all came from the cache."""
     precision = "float" if "-DLAMC_FLOAT" in simulator.lanes.flags else "double"
+    if simulator.model.series:
+        return "inputs follow series, which each run looks up at times of its own"
     return why_alone(loops=bool(simulator.cut_joints), moves=bool(simulator.rates), precision=precision)
 
 

@@ -46,7 +46,11 @@ def input_digest(
     """
     closure = f"{loops.rank} {loops.accepted_gap!r} {loops.position!r}" if loops is not None else ""
     parts = (compiler.identity, *options.flags, mechanism.name, closure)
-    return _digest((*parts, extras), common or common_digest(mechanism, effects), inputs.items())
+    # A series is data that runs bring: only that there is one shapes the C.
+    told = [
+        (name, each.default, each.unit, each.meaning, each.series is None) for name, each in inputs.items()
+    ]
+    return _digest((*parts, extras), common or common_digest(mechanism, effects), told)
 
 
 def loops_digest(

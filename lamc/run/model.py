@@ -8,16 +8,21 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Protocol, Self
 
 import numpy as np
 
 from lamc.basics.errors import UnsupportedError
+from lamc.records.series import Series
+from lamc.run.following import Following, Recorded, parted
 from lamc.run.opened import Opened, OpenedPool
 from lamc.run.parameters import checked_parameters
 from lamc.run.remaking import Recipe, remade_model, remember
 from lamc.run.request import Array
 from lamc.symbolic.program import Coordinate, design_digest
+
+NO_SERIES: Mapping[str, Series] = MappingProxyType({})
 
 
 class CompiledModule(Protocol):
@@ -68,20 +73,25 @@ class Motion(Unchanging):
     """A model with one set of parameters: what an integrator evaluates and a `Result` asks for more.
 
     parameters  of the model in its order, then the numbers of the drawing
+    following   the series that inputs follow
 
     States are rows y = [q, u], shape (m, nq + nu): coordinates, then rates; of joints first, rad and rad/s.
     Threads may share one: every call has memory of its own.
     """
 
-    def __init__(self, model: "Model", parameters: Array, baumgarte: float = 0.0) -> None:
+    def __init__(
+        self, model: "Model", parameters: Array, baumgarte: float = 0.0, series: tuple[Series, ...] = ()
+    ) -> None:
         self.model = model
         self.parameters = parameters
+        self.following = Following(model.series, series, model.series_orders, model.own_series)
         self._baumgarte = baumgarte
         constants = np.zeros(max(model.constant_count, 1))  # C wants an address even for none
         model.handle.setup(model.read(parameters), model.write(constants))
         constants.flags.writeable = False
         self.constants = constants
-        self._pool = OpenedPool(model, constants, baumgarte)
+        recorded = Recorded(model.ffi, self.following, np.zeros(0)) if series else None
+        self._pool = OpenedPool(model, constants, baumgarte, recorded)
 
     @property
     def gap(self) -> float:
@@ -89,7 +99,7 @@ class Motion(Unchanging):
         return float(self.constants[-1]) if self.model.closure_count else 0.0
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Motion, (self.model, self.parameters, self._baumgarte)
+        return Motion, (self.model, self.parameters, self._baumgarte, self.following.series)
 
     def opened(self) -> Opened:
         """A `lamc_motion` for one caller: `with motion.opened() as handle`. What C keeps of `handle`, such as a
@@ -106,7 +116,7 @@ class Motion(Unchanging):
     def accelerations(self, t: Array, y: Array) -> Array:
         """Derivatives of the rates, shape (m, nu), at times t (m,) s and states y (m, nq + nu)."""
         out = np.zeros((len(y), len(self.model.rates)))
-        self._call(self.model.lib.lamc_motion_accelerations, len(y), self.model.read(t), y, out)
+        self._call(self.model.lib.lamc_motion_accelerations, len(y), t, y, out)
         return out
 
     def jacobian(self, t: float, y: Array) -> tuple[Array, Array]:
@@ -133,20 +143,20 @@ class Motion(Unchanging):
         """Energies, shape (m, len(model.energies)), J; kinetic first, then one for each effect that stores
         any."""
         out = np.zeros((len(y), len(self.model.energies)))
-        self._call(self.model.lib.lamc_motion_energies, len(y), self.model.read(t), y, out)
+        self._call(self.model.lib.lamc_motion_energies, len(y), t, y, out)
         return out
 
     def powers(self, t: Array, y: Array) -> Array:
         """Power of the loads of each effect, shape (m, len(model.powers)), W."""
         out = np.zeros((len(y), len(self.model.powers)))
-        self._call(self.model.lib.lamc_motion_powers, len(y), self.model.read(t), y, out)
+        self._call(self.model.lib.lamc_motion_powers, len(y), t, y, out)
         return out
 
     def poses(self, t: Array, y: Array) -> Array:
         """Poses of the moving bodies, shape (m, len(model.bodies), 12): com (3) m, rotation (9), row by
         row."""
         out = np.zeros((len(y), len(self.model.bodies), 12))
-        self._call(self.model.lib.lamc_motion_poses, len(y), self.model.read(t), y, out)
+        self._call(self.model.lib.lamc_motion_poses, len(y), t, y, out)
         return out
 
     def rhs(self, t: float, y: Array) -> Array:
@@ -179,8 +189,10 @@ class Motion(Unchanging):
         with self.opened() as handle:
             return float(getattr(self.model.lib.lamc_motion_ode(handle), name))
 
-    def _call(self, function: Any, count: int, t: Any, y: Array, out: Array) -> None:
-        self._on_own(function, count, t, self.model.read(y), self.model.write(out))
+    def _call(self, function: Any, count: int, t: Array, y: Array, out: Array) -> None:
+        if self.following.series:
+            self.following.check_times(t)
+        self._on_own(function, count, self.model.read(t), self.model.read(y), self.model.write(out))
 
     def _on_own(self, function: Any, *arguments: Any) -> None:
         """Calls a function of the runtime on memory that no other thread has."""
@@ -194,6 +206,8 @@ class Model(Unchanging):
 
     recipe   what it was made from; None: by hand, and it cannot be pickled. tells: whether it tells powers
     numbers  of the design; None: those that the C was printed with
+    series, series_orders  inputs that follow series, and the highest derivative of each that accelerations hold
+    own_series  what they follow unless told otherwise
     structure, digest  of the program without numbers, which the C has, and with them
     """
 
@@ -204,6 +218,7 @@ class Model(Unchanging):
         *,
         tells: bool = False,
         numbers: "DesignNumbers | None" = None,
+        series: Mapping[str, Series] = NO_SERIES,
     ) -> None:
         self._recipe, self._tells, self._entry = recipe, tells, str(module.source_dir)
         self.ffi: Any = module.ffi
@@ -222,6 +237,9 @@ class Model(Unchanging):
         self.rank = int(handle.rank)
         self.guards = self._names(handle.guard_names, handle.guard_count)
         self.has_impacts = any(handle.guard_modes[i] < 0 for i in range(handle.guard_count))
+        self.series = self._names(handle.series_names, handle.series_count)
+        self.series_orders = tuple(int(handle.series_orders[i]) for i in range(handle.series_count))
+        self.own_series = series
         self.bodies = self._names(handle.body_names, handle.body_count)
         self.energies = self._names(handle.energy_names, handle.energy_count)
         self.parameters = self._names(handle.parameter_names, handle.parameter_count)
@@ -248,18 +266,19 @@ class Model(Unchanging):
         """nq + nu."""
         return len(self.coordinates) + len(self.rates)
 
-    def motion(self, parameters: Mapping[str, float | str], baumgarte: float = 0.0) -> Motion:
-        """The model with these parameters, by name, and defaults for the rest.
+    def motion(self, parameters: Mapping[str, "float | str | Series"], baumgarte: float = 0.0) -> Motion:
+        """The model with these parameters, by name, and defaults for the rest; inputs follow series among them.
 
         baumgarte  1/s, rate at which loops that drifted close again; 0: states are projected on closure instead
 
         Raises RequestError for a name that is not there and for a value that its quantity cannot have.
         """
+        parameters, series = parted(parameters, self.series, self.own_series, self.series_orders)
         values = dict(zip(self.parameters, self.defaults, strict=True))
         units = dict(zip(self.parameters, self.parameter_units, strict=True))
         values |= checked_parameters(parameters, units)
         inputs = [*values.values(), *self.geometry]
-        return Motion(self, np.array(inputs or [0.0]), baumgarte)
+        return Motion(self, np.array(inputs or [0.0]), baumgarte, series)
 
     def read(self, array: Array) -> Any:
         """The address of a contiguous array, for C to read. The caller keeps the array alive."""

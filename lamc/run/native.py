@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from lamc.basics.errors import SimulationError
+from lamc.run.following import Recorded
 from lamc.run.methods import LINEAR_ALGEBRA, NUMBERS
 from lamc.run.model import Model, Motion
 from lamc.run.request import Along, Array, Request, Status, Trajectory
@@ -103,6 +104,10 @@ def integrate(motion: Motion, request: Request, method: str) -> tuple[str, Traje
     """Runs to the end, an obstacle or Ctrl-C; KeyboardInterrupt gives Status.CANCELLED and what there is. The names of
     the methods that were used come first."""
     with motion.opened() as handle:
+        if not motion.following.series:
+            return _integrated(motion.model, handle, request, method)
+        recorded = Recorded(motion.model.ffi, motion.following, motion.following.breaks_of_run(request))
+        handle.recording = recorded.handle
         return _integrated(motion.model, handle, request, method)
 
 

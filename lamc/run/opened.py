@@ -16,6 +16,7 @@ import numpy as np
 from lamc.run.request import Array
 
 if TYPE_CHECKING:
+    from lamc.run.following import Recorded
     from lamc.run.model import Model
 
 
@@ -31,6 +32,7 @@ class Opened:
         self.handle.model = model.handle
         self.handle.constants = model.write(self.constants)
         self.handle.baumgarte = pool.baumgarte
+        pool.follow(self.handle)
         if pool.work_size:
             self.handle.work = model.write(self.work)
 
@@ -50,8 +52,11 @@ class OpenedPool:
     work_size  doubles of work space, as this very model says: models of one mechanism with and without powers differ
     """
 
-    def __init__(self, model: "Model", constants: Array, baumgarte: float) -> None:
+    def __init__(
+        self, model: "Model", constants: Array, baumgarte: float, recorded: "Recorded | None" = None
+    ) -> None:
         self.model = model
+        self._recorded = recorded
         self.constants = constants
         self.baumgarte = baumgarte
         self.work_size = int(model.lib.lamc_motion_work_size(model.handle))
@@ -64,8 +69,14 @@ class OpenedPool:
         except IndexError:
             return Opened(self)
         found.constants[:] = self.constants
+        self.follow(found.handle)
         found.work.fill(0.0)
         return found
+
+    def follow(self, handle: Any) -> None:
+        """Lets inputs follow their series, without breaks."""
+        if self._recorded is not None:
+            handle.recording = self._recorded.handle
 
     def take_back(self, opened: Opened) -> None:
         """Keeps the memory for a later call."""

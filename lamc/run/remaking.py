@@ -19,6 +19,7 @@ from lamc.records.scene import Scene
 
 if TYPE_CHECKING:
     from lamc.records.design import Design
+    from lamc.records.series import Series
     from lamc.run.model import Model, Motion
     from lamc.run.simulator import Simulator
 
@@ -57,7 +58,7 @@ class Telling:
         self,
         simulator: "Simulator | None",
         recipe: Recipe | None,
-        parameters: Mapping[str, float | str],
+        parameters: "Mapping[str, float | str | Series]",
         baumgarte: float,
     ) -> None:
         self._simulator = simulator

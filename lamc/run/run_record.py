@@ -51,6 +51,7 @@ class Provenance:
     flags: tuple[str, ...]
     effects: tuple[str, ...]
     parameters: Mapping[str, float] = field(default_factory=dict)  # every one, as used
+    series: Mapping[str, str] = field(default_factory=dict)  # digest of what each input followed over time
 
     def __repr__(self) -> str:
         effects = ", ".join(self.effects)

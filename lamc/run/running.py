@@ -18,6 +18,7 @@ from lamc.records.scene import Scene
 from lamc.run import integrators
 from lamc.run.ending import message
 from lamc.run.energy_balance import Kept
+from lamc.run.following import series_of
 from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
 from lamc.run.remaking import Recipe
 from lamc.run.request import Request
@@ -43,7 +44,9 @@ class Running(Starting):
         effects: Sequence[Effect],
         loops: LoopCount | None,
     ) -> None:
-        super().__init__(Model(module, recipe, numbers=numbers), mechanism, scene, effects, loops)
+        super().__init__(
+            Model(module, recipe, numbers=numbers, series=series_of(scene)), mechanism, scene, effects, loops
+        )
         self._module = module
         self._recipe = recipe
         self._energy_balance = energy_balance
@@ -105,7 +108,7 @@ class Running(Starting):
         if self._energy_balance is None:
             raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
         module, numbers = self._energy_balance()
-        return Model(module, self._recipe, tells=True, numbers=numbers)
+        return Model(module, self._recipe, tells=True, numbers=numbers, series=series_of(self.scene))
 
     def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:
         """Where a result comes from, and what its pictures show besides the bodies."""
@@ -131,4 +134,5 @@ class Running(Starting):
             flags=tuple(self._module.flags),
             effects=tuple(effect.name for effect in self.effects),
             parameters=dict(zip(names, motion.parameters[: len(names)].tolist(), strict=True)),
+            series=motion.following.digests,
         )

@@ -5,9 +5,12 @@ In: a `Motion`, a `Request`, a method's name. Out: a `Trajectory`, with the same
 Never: hides a failure; scipy's own words are in `note`.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
 
+from lamc.run.following import stretches
 from lamc.run.model import Motion
 from lamc.run.request import Array, Request, Status, Trajectory
 
@@ -47,7 +50,7 @@ class _Output:
 def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
     """Runs to the end, an obstacle or Ctrl-C; KeyboardInterrupt gives Status.CANCELLED and what there is."""
     output = _Output(request)
-    evaluations = accepted = 0
+    accepted = 0
     last_step = 0.0
     reached = (0.0, request.y0)  # one assignment, so that an interrupt cannot part time and state
     note = ""
@@ -56,37 +59,50 @@ def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
         return _trajectory(nq, output, reached, Status.NOT_FINITE, note, 1, 0, 0.0)
     if request.t_end == 0.0 or not len(request.y0):  # scipy cannot treat an empty state
         return _nothing_moves(nq, request)
-    solver = METHODS[method](
-        motion.rhs,
-        0.0,
-        request.y0,
-        request.t_end,
-        rtol=request.rtol,
-        atol=request.atol,
-        max_step=request.max_step,
-    )
     status = Status.REACHED_END
+    solvers = []
     try:
         with np.errstate(all="ignore"):  # NaN and infinity are told by the status
-            while solver.status == "running":
-                if accepted >= request.max_steps:
-                    status = Status.STEP_LIMIT
+            for begin, end in stretches(motion.following.breaks_of_run(request), 0.0, request.t_end):
+                solver = METHODS[method](
+                    _before(motion, end),
+                    begin,
+                    reached[1],
+                    end,
+                    rtol=request.rtol,
+                    atol=request.atol,
+                    max_step=request.max_step,
+                )
+                solvers.append(solver)
+                while solver.status == "running":
+                    if accepted >= request.max_steps:
+                        status = Status.STEP_LIMIT
+                        break
+                    note = solver.step() or ""
+                    if solver.status == "failed" or not np.isfinite(solver.y).all():
+                        status = _failure(motion, solver)
+                        break
+                    accepted += 1
+                    reached, last_step = (float(solver.t), solver.y.copy()), float(solver.t - solver.t_old)
+                    output.after(solver)
+                    if request.progress is not None:
+                        request.progress(reached[0], request.t_end)
+                if status != Status.REACHED_END:
                     break
-                note = solver.step() or ""
-                if solver.status == "failed" or not np.isfinite(solver.y).all():
-                    status = _failure(motion, solver)
-                    break
-                accepted += 1
-                reached, last_step = (float(solver.t), solver.y.copy()), float(solver.t - solver.t_old)
-                output.after(solver)
-                if request.progress is not None:
-                    request.progress(reached[0], request.t_end)
     except KeyboardInterrupt:
         status = Status.CANCELLED
     except ValueError as error:  # the linear algebra of implicit methods refuses NaN
         status, note = Status.NOT_FINITE, str(error)
-    evaluations = int(solver.nfev)
+    evaluations = sum(int(solver.nfev) for solver in solvers)
     return _trajectory(nq, output, reached, status, note, evaluations, accepted, last_step)
+
+
+def _before(motion: Motion, end: float) -> Callable[[float, Array], Array]:
+    """The right-hand side up to `end`, s; where inputs jump there, as it is before."""
+    if not motion.following.series:
+        return motion.rhs
+    last = float(np.nextafter(end, -np.inf))
+    return lambda t, y: motion.rhs(min(t, last), y)
 
 
 def _failure(motion: Motion, solver: RK45) -> Status:

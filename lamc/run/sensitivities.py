@@ -151,7 +151,7 @@ def differentiated(
     motion = _motion(model, columns, keys, parameters, paces)
     directions = np.zeros((max(len(columns.names), 1), max(len(motion.parameters), 1)))
     place = {name: k for k, name in enumerate(model.parameters)}
-    given = {place[name] for name in parameters}
+    given = {place[name] for name in parameters if name in place}
     for row, name in enumerate(columns.parameters):
         directions[row, place[name]] = 1.0
     for row, name in enumerate(columns.dimensions, len(columns.parameters)):
@@ -327,7 +327,7 @@ def _motion(
     for key, k in place.items():
         if key[0] == PACE and key[2:] not in given:
             inputs[k] = paces[str(key[1])].inputs[place[key[2:]]]
-    return Motion(model, inputs)
+    return Motion(model, inputs, 0.0, motion.following.series)
 
 
 @dataclass(frozen=True, eq=False)
@@ -352,5 +352,7 @@ class _Shifts:
             for place in PLACES:
                 moved = motion.parameters.copy()
                 moved[k] += place * step
-                made.append((simulator.mechanism, Motion(simulator.model, moved)))
+                made.append(
+                    (simulator.mechanism, Motion(simulator.model, moved, 0.0, motion.following.series))
+                )
         return tuple(_Shifted(w / step, *each) for w, each in zip(WEIGHTS, made, strict=True))

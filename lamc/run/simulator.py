@@ -7,6 +7,7 @@ It never changes; runs share nothing but the compiled code.
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -28,7 +29,9 @@ from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_differentiable, check_names, checked_rate
 from lamc.run.defaults import DURATION
 from lamc.run.evaluations import NO_PARAMETERS
+from lamc.run.following import series_of, with_series
 from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
+from lamc.run.operating_points import OperatingPoints
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
 from lamc.run.remaking import Recipe, Telling, remade_simulator
@@ -43,6 +46,7 @@ if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
     from lamc.mechanics.tangents import Columns
     from lamc.records.design import Design
+    from lamc.records.series import Series
     from lamc.run.ensemble import Ensemble
     from lamc.symbolic.program import Program
     from lamc.symbolic.staging import DrawnKey
@@ -53,7 +57,7 @@ _T = TypeVar("_T")
 RTOL, ATOL = 1e-9, 1e-11  # where none are given
 
 
-class Simulator(Running, Viewable):
+class Simulator(Running, OperatingPoints, Viewable):
     """A compiled mechanism in its scene. Made by `lamc.compile`.
 
     mechanism, scene  what it was made from
@@ -97,7 +101,7 @@ class Simulator(Running, Viewable):
         self._equations = equations
         self._program = program
         self._lanes = lanes
-        self._columns = None if columns is None else remembered(columns)
+        self._columns = None if columns is None else remembered(partial(_model_of, columns, series_of(scene)))
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
@@ -180,6 +184,7 @@ class Simulator(Running, Viewable):
         energy_balance: bool = False,
         accuracy: float | None = None,
         sensitivities: Sequence[str] = (),
+        series: "Mapping[str, Series] | None" = None,
         books: bool | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
@@ -213,6 +218,7 @@ class Simulator(Running, Viewable):
                     the run is differentiated by them, for `Result.sensitivity`. The derivatives are those of what the
                     run computes, at the steps that it takes, which are the same to the last bit with and without. The
                     first time a list takes a compile of its own
+        series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
@@ -223,6 +229,7 @@ class Simulator(Running, Viewable):
             superseded("run(books=...)", "run(energy_balance=...)")
             energy_balance = books
         wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
+        parameters = with_series(parameters, series, self._model.series, self.parameters)
         with part_told("run", progress) as told:
             asked = (t_end, rtol, atol, t_eval, max_steps, max_step, told)
             request = self._request(*asked, energy_balance=energy_balance)
@@ -261,8 +268,7 @@ class Simulator(Running, Viewable):
         """The model that also has derivatives by these, and the keys of its numbers of the drawing."""
         if self._columns is None:
             raise RequestError("this simulator was made by hand and has no derivatives; use lamc.compile")
-        module, numbers, keys = self._columns(columns)
-        return Model(module, numbers=numbers), keys
+        return self._columns(columns)
 
     def _request(
         self,
@@ -287,7 +293,9 @@ class Simulator(Running, Viewable):
     def _check_run(self, parameters: Mapping[str, float | str], motion: Motion, t_end: float) -> None:
         """Whether effects can do what is asked for, at the line of the scene that says so."""
         with located_at(self.scene.places):
-            limited = with_limits(self.mechanism, checked_parameters(parameters, self.parameter_units))
+            motion.following.check_run(t_end)
+            plain = {name: each for name, each in parameters.items() if name not in self._model.series}
+            limited = with_limits(self.mechanism, checked_parameters(plain, self.parameter_units))
             if limited is not self.mechanism:
                 check_start(self.effects, limited, motion, self.start)
             check_run(self.effects, self.mechanism, motion, self.start, t_end)
@@ -346,6 +354,15 @@ class Simulator(Running, Viewable):
         if self._lanes is None:
             raise RequestError("this simulator was made by hand and runs no ensembles; use lamc.compile")
         return self._lanes()[0]
+
+
+def _model_of(
+    modules: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]]",
+    series: "Mapping[str, Series]",
+    columns: "Columns",
+) -> "tuple[Model, tuple[DrawnKey, ...]]":
+    module, numbers, keys = modules(columns)
+    return Model(module, numbers=numbers, series=series), keys
 
 
 def _settled(value: _T | Callable[[], _T]) -> _T:

@@ -14,6 +14,7 @@ from lamc.effects.drives import check_drives
 from lamc.records.effect import overrides
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
+from lamc.records.series import Series
 from lamc.run.model import Motion
 from lamc.run.request import Array
 
@@ -67,7 +68,10 @@ def _check_poses(effects: Sequence[Any], mechanism: Mechanism, motion: Motion, s
 def _check_driven(effects: Sequence[Any], motion: Motion, start: Array, t_end: float) -> None:
     driven = [effect for effect in effects if overrides(effect, "drives")]
     if driven:
-        check_drives(driven, *_by_joint(motion, start), t_end, _parameters(motion))
+        following = motion.following
+        inputs: dict[str, float | Series] = {**_parameters(motion)}
+        inputs |= dict(zip(following.names, following.series, strict=False))
+        check_drives(driven, *_by_joint(motion, start), t_end, inputs)
 
 
 def _parameters(motion: Motion) -> dict[str, float]:

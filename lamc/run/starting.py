@@ -66,14 +66,7 @@ class Starting(Evaluations):
     def pushed_branch(self) -> int | None:
         """The number of the branch that a singular start at rest takes, as loads do most work on it; None where the
         start is regular, or the scene says its way."""
-        if not self._model.cuts:
-            return None
-        if self._loops is not None and self._loops.pushed is not None:
-            # Equations of this branch's rank say nothing of the others; where the start has that rank it is regular.
-            return self._loops.pushed if self._starter.is_undecided(self._rigid_scene) else None
-        return self._starter.pushed_branch(
-            self._rigid_scene, push_of(self._default_motion, self._arrangement)
-        )
+        return self._pushed(self._rigid_scene) if self._model.cuts else None
 
     def loops_taken(self) -> tuple[LoopCount, int | None]:
         """What the loops come to on the branch that the start takes, and its number; None where none part."""
@@ -101,8 +94,10 @@ class Starting(Evaluations):
         """As `start`, of a scene that differs from this one in angles and rates; no effect is shown it."""
         near = scene.angles
         if self._model.cuts:
-            rigid = self._rigid_scene if scene is self.scene else self._rigid(scene)
-            start = self._starter.state(replace(rigid, branch=rigid.branch or self.pushed_branch))
+            own = scene is self.scene
+            rigid = self._rigid_scene if own else self._rigid(scene)
+            branch = rigid.branch or (self.pushed_branch if own else self._pushed(rigid))
+            start = self._starter.state(replace(rigid, branch=branch))
         else:
             with located_at(scene.places):
                 refuse_branch(scene)
@@ -114,6 +109,13 @@ class Starting(Evaluations):
             q, u = np.split(start, 2)
             start = np.concatenate(self._arrangement.start(q.tolist(), u.tolist(), near))
         return start
+
+    def _pushed(self, rigid: Scene) -> int | None:
+        """As `pushed_branch`, of a scene by the joints that no bushing holds."""
+        if self._loops is not None and self._loops.pushed is not None:
+            # Equations of this branch's rank say nothing of the others; where the start has that rank it is regular.
+            return self._loops.pushed if self._starter.is_undecided(rigid) else None
+        return self._starter.pushed_branch(rigid, push_of(self._default_motion, self._arrangement))
 
     def _gap_at(self, angles: Array) -> str:
         """How far loops are open at angles (n,), rad, of the joints, in words."""

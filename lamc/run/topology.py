@@ -16,7 +16,7 @@ def changes(before: Mechanism, after: Mechanism) -> str:
         gone, added = _difference(old, new)
         parts += [f"{what} gone: {listed_names(gone)}"] if gone else []
         parts += [f"{what} added: {listed_names(added)}"] if added else []
-    same = "the same bodies and joints, and other numbers of it vanish, or other effects act"
+    same = "the same bodies and joints, and other numbers of it vanish, other effects act, or loops have another rank"
     return "; ".join(parts) or same
 
 

@@ -6,7 +6,7 @@ point: not on those before it, on the process or the clock. A point that makes n
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -36,6 +36,7 @@ MISSING = "missing"  # not computed
 STATUSES = (OK, REFUSED, FAILED, UNDEFINED, ERROR, DIED, MISSING)
 
 _KEPT = 4  # simulators
+_DIGITS = 16  # of a digest of 64: enough to tell all structures of a study apart
 _LONGEST_REASON = 400
 
 
@@ -71,12 +72,14 @@ class Subject:
 
 @dataclass(frozen=True)
 class Row:
-    """What came of a point. values: of the measures, in their order; NaN where there are none."""
+    """What came of a point. values: of the measures, in their order; NaN where there are none. structure: the first
+    digits of its equations' digest (`Simulator.structure`); empty where there are none."""
 
     index: int
     status: str
     reason: str
     values: tuple[float, ...]
+    structure: str = ""
 
 
 class Bench:
@@ -90,13 +93,26 @@ class Bench:
 
     def row(self, index: int, point: Sequence[float]) -> Row:
         """Raises KeyboardInterrupt if the run is cancelled."""
+        return replace(self._row(index, point), structure=self.structure(point))
+
+    def given(self, point: Sequence[float]) -> dict[str, float]:
+        """What was varied, SI, by name."""
+        return {target.name: value for target, value in zip(self.subject.targets, point, strict=True)}
+
+    def structure(self, point: Sequence[float]) -> str:
+        """As of `Row`, of the point that was worked on last; empty where it has no simulator."""
+        found = self._simulators.get(self._key(point))
+        return found.structure[:_DIGITS] if isinstance(found, Simulator) else ""
+
+    def _row(self, index: int, point: Sequence[float]) -> Row:
         try:
             result = self.result(point)
             if result.status == Status.CANCELLED:
                 raise KeyboardInterrupt
             if not result.success:
                 return self._without(index, FAILED, result.message)
-            values = tuple(measure.value(result) for measure in self.subject.measures.values())
+            given = self.given(point)
+            values = tuple(measure.value(result, given) for measure in self.subject.measures.values())
         except BuildError:
             raise  # no point would fare better
         except LamcError as error:
@@ -144,15 +160,13 @@ class Bench:
 
     def simulator(self, point: Sequence[float]) -> Simulator:
         """The simulator of a point, kept for the next. Raises LamcError where there is none."""
-        key = tuple(point[k] for k in self._slow)
+        key = self._key(point)
         found = self._simulators.get(key)
         if found is None:
             if len(self._simulators) >= _KEPT:
                 del self._simulators[next(iter(self._simulators))]
             try:
-                found = self._compiled(
-                    dict(zip((self.subject.targets[k] for k in self._slow), key, strict=True))
-                )
+                found = self._compiled(point)
             except BuildError:
                 raise
             except LamcError as error:
@@ -162,12 +176,25 @@ class Bench:
             raise found
         return found
 
-    def _compiled(self, values: Mapping[Target, float]) -> Simulator:
-        by_kind: dict[str, dict[str, float]] = {kind: {} for kind in SLOW}
-        for target, value in values.items():
+    def mechanism(self, point: Sequence[float]) -> Mechanism:
+        """The drawing of a point, split. Raises LamcError where there is none."""
+        design = made(self.subject.design, self._by_kind(point)["dimension"])
+        return split(design) if isinstance(design, Design) else design
+
+    def _key(self, point: Sequence[float]) -> tuple[float, ...]:
+        return tuple(point[k] for k in self._slow)
+
+    def _by_kind(self, point: Sequence[float]) -> dict[str, dict[str, float]]:
+        """Values of what is slow to change, by kind and name."""
+        found: dict[str, dict[str, float]] = {kind: {} for kind in SLOW}
+        for k in self._slow:
+            target = self.subject.targets[k]
             name = target.name.removeprefix(ANGLES if target.kind == "angle" else RATES)
-            by_kind[target.kind][target.name if target.kind == "dimension" else name] = value
-        subject = self.subject
+            found[target.kind][target.name if target.kind == "dimension" else name] = point[k]
+        return found
+
+    def _compiled(self, point: Sequence[float]) -> Simulator:
+        by_kind, subject = self._by_kind(point), self.subject
         design = made(subject.design, by_kind["dimension"])
         scene = subject.scene
         if callable(scene) or (scene is None and (by_kind["angle"] or by_kind["rate"])):
@@ -177,7 +204,7 @@ class Bench:
         if scene is not None:
             scene = started(scene, by_kind["angle"], by_kind["rate"])
         # The cache keeps what all points share; notes of single ones would be thousands of files that nobody reads.
-        cache = Cache(cache_root(), passing=bool(values))
+        cache = Cache(cache_root(), passing=bool(self._slow))
         return compile_design(design, scene, subject.options, cache=cache)
 
 

@@ -5,7 +5,7 @@ In: text such as "rms(tip.z - 5 mm)" and "max(abs(h1)) < 60 deg", or functions o
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,9 +15,10 @@ from lamc.basics.errors import ExpressionError, RequestError
 from lamc.run.request import Array
 from lamc.run.result import Result
 from lamc.studies.dimensions import unit_of
+from lamc.studies.measure_names import NOTHING_GIVEN, Outputs
 from lamc.studies.measure_terms import Rows, Term, added, negated
 from lamc.studies.measure_text import read, read_part
-from lamc.studies.measures import Measure, Outputs
+from lamc.studies.measures import Measure
 
 _COMPARISON = re.compile(r"<=|>=|==|<|>|=")
 _SQUARE = re.compile(r"\s*(?:\*\*|\^)\s*2(?:\.0*)?\s*\Z")
@@ -46,15 +47,16 @@ class Goal:
     def is_squares(self) -> bool:
         return bool(self.parts)
 
-    def of(self, result: Result) -> tuple[float, Array | None]:
-        """The value of a run, and its residuals (m,): their squares add up to the value, or to its square."""
+    def of(self, result: Result, given: Mapping[str, float] = NOTHING_GIVEN) -> tuple[float, Array | None]:
+        """The value of a run, and its residuals (m,): their squares add up to the value, or to its square. given: what
+        was varied for it, SI, by name."""
         if self.function is not None:
             return _of_function(self.function(result), self.text)
         assert self.measure is not None
-        value = self.measure.value(result)
+        value = self.measure.value(result, given)
         if not self.parts or not len(result.t):
             return value, None
-        rows = Rows(result, np.sort(np.array([event.t for event in result.events], dtype=float)))
+        rows = Rows.of(result, given)
         return value, np.concatenate([_residual(part, rows) for part in self.parts])
 
 
@@ -103,7 +105,7 @@ def _constraints(text: str, outputs: Outputs) -> list[Constraint]:
             f"constraint {text!r} is no comparison; write EXPRESSION < VALUE, with <, <=, >, >= or =="
         )
     try:
-        terms = [read(part, outputs.units, outputs.events) for part in parts]
+        terms = [read(part, outputs) for part in parts]
     except ExpressionError as error:
         raise ExpressionError(f"constraint {text!r}: {error.message}") from error
     found = []
@@ -114,7 +116,7 @@ def _constraints(text: str, outputs: Outputs) -> list[Constraint]:
             raise ExpressionError(f"constraint {text!r}: {error.message}") from error
         if not (terms[k].names or terms[k + 1].names or "(" in parts[k] + parts[k + 1]):
             raise ExpressionError(
-                f"constraint {text!r} compares two fixed numbers; name an output of the run"
+                f"constraint {text!r} compares two fixed numbers; name an output of the run, or what is varied"
             )
         small, large = (parts[k], parts[k + 1]) if sign in ("<", "<=", "==") else (parts[k + 1], parts[k])
         measure = Measure.parse(f"({small.strip()}) - ({large.strip()})", outputs)
@@ -127,12 +129,12 @@ def _squares(text: str, outputs: Outputs) -> tuple[bool, tuple[Term, ...]]:
     """Whether a goal is the root of a sum of squares, and the terms that are squared; none if it is no such sum."""
     root = _ROOT.match(text)
     if root is not None and _is_closed(root[1]):
-        return True, (read_part(root[1], outputs.units, outputs.events),)
+        return True, (read_part(root[1], outputs),)
     parts, _ = _split(text, re.compile(r"\+"))
     bases = [_SQUARE.sub("", part).strip() for part in parts if _SQUARE.search(part)]
     if len(bases) != len(parts) or any(_split(each, re.compile(r"[-+*/^]"))[1] for each in bases):
         return False, ()
-    return False, tuple(read(each, outputs.units, outputs.events) for each in bases)
+    return False, tuple(read(each, outputs) for each in bases)
 
 
 def _residual(term: Term, rows: Rows) -> Array:

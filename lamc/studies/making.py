@@ -24,7 +24,7 @@ from lamc.studies.targets import Made, Studied, check_axes, check_within, family
 SceneGiven = Scene | str | Callable[[Mechanism], Scene] | None
 
 AS_EVER = RunOptions()
-_TAKEN = ("point", "status", "reason")  # columns of the table
+_TAKEN = ("point", "structure", "status", "reason")  # columns of the table
 
 
 def study_of(
@@ -61,7 +61,8 @@ def study_of(
                 check_within(target, float(plan.values[:, k].min()), float(plan.values[:, k].max()))
     else:
         check_axes(plan.axes, targets)
-    measures = checked_measures(measure, outputs_of(first))
+    varied = {target.name: target.unit for target in chosen}
+    measures = checked_measures(measure, replace(outputs_of(first), varied=varied))
     for name in measures:
         if name in plan.names or name in _TAKEN:
             raise RequestError(f"a measure is named {name!r}, as another column of the table is; rename it")

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.basics.errors import ExpressionError
+from lamc.basics.errors import ExpressionError, RequestError
 from lamc.run.request import Array
 from lamc.run.result import Result
 from lamc.studies.dimensions import PLAIN, RADIAN, SECOND, Unit
@@ -21,10 +21,11 @@ from lamc.studies.samples import Samples, first_above, highest, integral, mean, 
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """A run as measures see it."""
+    """A run as measures see it. given: what was varied for it, SI, by name."""
 
     result: Result
     breaks: Array  # (k,), s: times of events, ascending
+    given: Mapping[str, float] = field(default_factory=dict)
     known: dict[str, Array] = field(default_factory=dict)
 
     def quantity(self, name: str) -> Array:
@@ -37,6 +38,16 @@ class Rows:
             else:
                 self.known[name] = self.result.quantity(name).values
         return self.known[name]
+
+    @classmethod
+    def of(cls, result: Result, given: Mapping[str, float]) -> "Rows":
+        return cls(result, np.sort(np.array([event.t for event in result.events], dtype=float)), given)
+
+    def parameter(self, name: str) -> float:
+        """What was varied. Raises RequestError where it is not told."""
+        if name not in self.given:
+            raise RequestError(f"a measure names {name!r}, which was varied; give its value with the run")
+        return self.given[name]
 
     def samples(self, values: Array | float) -> Samples:
         return Samples(self.result.t, np.broadcast_to(values, self.result.t.shape), self.breaks)
@@ -57,7 +68,7 @@ class Term:
     is_bare: bool = False
     number: float | None = None
     times: tuple[float, ...] = ()
-    names: frozenset[str] = frozenset()  # of the quantities in it
+    names: frozenset[str] = frozenset()  # of the quantities in it, and of what is varied
 
     @staticmethod
     def of_number(number: float, unit: Unit, *, is_bare: bool = False) -> "Term":
@@ -66,6 +77,11 @@ class Term:
 
 def quantity(name: str, unit: Unit) -> Term:
     return Term(unit, lambda rows: rows.quantity(name), over_time=True, names=frozenset([name]))
+
+
+def parameter(name: str, unit: Unit) -> Term:
+    """What was varied for the run."""
+    return Term(unit, lambda rows: rows.parameter(name), names=frozenset([name]))
 
 
 def negated(term: Term) -> Term:

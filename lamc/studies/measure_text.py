@@ -1,6 +1,7 @@
 """The expressions of measures, such as "rms(tip.z - 5 mm)": read once, evaluated for every run.
 
-Goes in: text, the names of a run's quantities with their units, the names of its events. Comes out: a `Term`. The
+Goes in: text, the names of a run's quantities, and of what is varied, with their units, the names of its events. Comes
+out: a `Term`. The
 language is numbers, with units or without, the names, pi, + - * / **, parentheses, the functions of one and two numbers
 that all expressions of lamc have, and those over time below. There is nothing else to reach, and nothing is ever
 evaluated by Python. A number without a unit is in SI, whatever it is added to.
@@ -14,11 +15,12 @@ evaluated by Python. A number without a unit is in SI, whatever it is added to.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 
 from lamc.basics.checks import did_you_mean
 from lamc.basics.errors import DesignError, ExpressionError
-from lamc.studies.dimensions import PLAIN, factor_of, is_unit, unit_of
+from lamc.studies.dimensions import PLAIN, factor_of, is_unit
+from lamc.studies.measure_names import Outputs
 from lamc.studies.measure_terms import (
     OVER_TIME,
     Term,
@@ -29,7 +31,6 @@ from lamc.studies.measure_terms import (
     first_time,
     multiplied,
     negated,
-    quantity,
     raised,
     reduced,
     row,
@@ -43,8 +44,8 @@ from lamc.symbolic.functions import FUNCTIONS
 _WORDS = ("at", "time_of", "events", *OVER_TIME)
 
 
-def read(text: str, units: Mapping[str, str], events: Sequence[str]) -> Term:
-    """The term of a text. units: SI unit of each quantity by name; events: names of the events that there can be.
+def read(text: str, outputs: Outputs) -> Term:
+    """The term of a text in names of `outputs`.
 
     Raises ExpressionError, with the column, for what is outside the language, unknown names with the nearest one, and
     units that do not fit.
@@ -53,19 +54,19 @@ def read(text: str, units: Mapping[str, str], events: Sequence[str]) -> Term:
         raise ExpressionError(
             f"measure {text[:24] + '…'!r} has {len(text)} characters; at most {MAX_LENGTH} are allowed"
         )
-    return _Reader(text, units, events).whole()
+    return _Reader(text, outputs).whole()
 
 
-def read_part(text: str, units: Mapping[str, str], events: Sequence[str]) -> Term:
+def read_part(text: str, outputs: Outputs) -> Term:
     """The term of a text that has been read as a part of another, and may have a value at every time."""
-    return _Reader(text, units, events).sum()
+    return _Reader(text, outputs).sum()
 
 
 class _Reader:
     """Recursive descent; builds the term as it reads."""
 
-    def __init__(self, text: str, units: Mapping[str, str], events: Sequence[str]) -> None:
-        self.text, self.units, self.events = text, units, events
+    def __init__(self, text: str, outputs: Outputs) -> None:
+        self.text, self.outputs = text, outputs
         self.tokens = tokens_of(text)
         self.position = 0
         self.depth = 0
@@ -181,7 +182,7 @@ class _Reader:
             if called and known:
                 self.position += 1
                 return self.call(token), False
-            if token.text in self.units or not known:
+            if self.outputs.knows(token.text) or not known:
                 return self.named(token), False
             raise self.error(f"{token.text} is a function: write {token.text}(…)", token.column)
         if self.accept("("):
@@ -223,21 +224,16 @@ class _Reader:
         return term
 
     def named(self, token: Token) -> Term:
-        if token.text == "pi" and "pi" not in self.units:
+        if token.text == "pi" and not self.outputs.knows("pi"):
             return Term.of_number(math.pi, PLAIN, is_bare=True)
-        if token.text not in self.units:
-            hint = did_you_mean(token.text, list(self.units))
-            if is_unit(token.text):
-                hint = "as a unit it stands behind its number: put both into parentheses, (5 N*mm)"
-            raise self.error(f"no output of a run is named {token.text!r}; {hint}", token.column)
-        return quantity(token.text, unit_of(self.units[token.text]))
+        return self.built(token.column, lambda: self.outputs.term(token.text))
 
     def call(self, token: Token) -> Term:
         """What a function gives; its name and the bracket after it have been read."""
         if token.text == "events":
             return self.event_call(counted)
         if token.text == "time_of":
-            if self.token.kind == "quoted" and self.token.text not in self.units:
+            if self.token.kind == "quoted" and not self.outputs.knows(self.token.text):
                 return self.event_call(event_time)
             return self.time_of()
         arguments = [self.nested(self.sum)]
@@ -283,9 +279,10 @@ class _Reader:
         if token.kind == "quoted":
             self.position += 1
             name = token.text
-            if name not in self.events:
+            if name not in self.outputs.events:
                 raise self.error(
-                    f"no event is named {name!r}; {did_you_mean(name, list(self.events))}", token.column
+                    f"no event is named {name!r}; {did_you_mean(name, list(self.outputs.events))}",
+                    token.column,
                 )
             if make is event_time and self.accept(","):
                 sign = -1 if self.accept("-") else 1

@@ -15,8 +15,6 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from lamc.basics.checks import shown
 from lamc.basics.errors import ExpressionError, RequestError
 from lamc.basics.once import lazy
@@ -24,18 +22,12 @@ from lamc.run.quantities import units_of
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from lamc.studies.dimensions import unit_of
+from lamc.studies.measure_names import NOTHING_GIVEN
+from lamc.studies.measure_names import Outputs as Outputs
 from lamc.studies.measure_terms import Rows, Term
 from lamc.studies.measure_text import read
 
 Function = Callable[[Result], float]
-
-
-@dataclass(frozen=True)
-class Outputs:
-    """What the runs of a simulator tell: SI units of quantities by name, and the names of events."""
-
-    units: Mapping[str, str]
-    events: tuple[str, ...] = ()
 
 
 def outputs_of(simulator: Simulator) -> Outputs:
@@ -67,9 +59,8 @@ class Measure:
         if not isinstance(text, str):
             raise ExpressionError(f"a measure is {shown(text)}; it must be text, such as 'max(tip.z)'")
         known = outputs if isinstance(outputs, Outputs) else outputs_of(outputs)
-        term = read(text, known.units, known.events)
-        units = {name: known.units[name] for name in sorted(term.names)}
-        return cls(text, term.unit.text, tuple(sorted(set(term.times))), Outputs(units, known.events))
+        term = read(text, known)
+        return cls(text, term.unit.text, tuple(sorted(set(term.times))), known.of(term.names))
 
     @classmethod
     def of_function(cls, function: Function, unit: str = "1") -> "Measure":
@@ -80,18 +71,18 @@ class Measure:
             )
         return cls(getattr(function, "__qualname__", type(function).__name__), unit, function=function)
 
-    def value(self, result: Result) -> float:
-        """The number of this run, in `unit`; NaN where there is none, as the time of what does not happen."""
+    def value(self, result: Result, given: Mapping[str, float] = NOTHING_GIVEN) -> float:
+        """The number of this run, in `unit`; NaN where there is none, as the time of what does not happen. given: what
+        was varied for it, SI, by name."""
         if self.function is not None:
             return _as_number(self.function(result), self.text)
-        breaks = np.sort(np.array([event.t for event in result.events], dtype=float))
         if not len(result.t):
             return math.nan
-        return float(self._term.value(Rows(result, breaks)))
+        return float(self._term.value(Rows.of(result, given)))
 
     @lazy
     def _term(self) -> Term:
-        return read(self.text, self.known.units, self.known.events)
+        return read(self.text, self.known)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return partial(Measure, self.text, self.unit, self.times, self.known, self.function), ()

@@ -57,7 +57,8 @@ def optimise(
              are as of `lamc.sweep`: dimensions, parameters of the model, "angles.h1", "rates.h1", "t_end"
     minimise a measure (`lamc.studies.measures`), "rms(tip.z - 5 mm)", or a function of the Result, or (function, unit);
              a function of several numbers gives their root mean square. Several, in a list, make a front (NSGA-II)
-    subject_to  texts such as "max(abs(h1)) < 60 deg", "0 < last(tip.x) < 5 mm", "last(h1) == 0.2"
+    subject_to  texts such as "max(abs(h1)) < 60 deg", "0 < last(tip.x) < 5 mm", "last(h1) == 0.2"; they, and the goal,
+             may name what is varied: "length + width < 0.1 m"
     scene    a Scene, or the name of one of the design's; None: the design's own
     method   "auto", "least-squares", "slsqp", "trust-constr", "nelder-mead", "evolution", "cma-es" (extra: optimise);
              auto: least squares where the goal is rms(…), (…)**2 + (…)**2 or a function of several numbers and nothing

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,6 +20,7 @@ from lamc.studies.derivatives import STEP
 from lamc.studies.problem import Problem
 from lamc.studies.refinement import Optimum
 from lamc.studies.space import Value
+from lamc.studies.structures import Numbers, numbered
 from lamc.studies.table import need_xarray
 from lamc.studies.targets import Made
 
@@ -87,9 +88,15 @@ class Best:
         return self.design_of(self.point)
 
     @property
+    def structures(self) -> Numbers:
+        """(runs,): runs of one number share their equations and one compile; -1 where there are none. Slopes across a
+        change of topology mean nothing."""
+        return numbered({trial.index: trial.structure for trial in self.problem.trials}, self.runs)
+
+    @property
     def history(self) -> "xarray.Dataset":
-        """All runs, in their order: what was tried, goals, constraints (above zero where violated), status, reason,
-        stage. Raises LamcError without xarray."""
+        """All runs, in their order: what was tried, goals, constraints (above zero where violated), structure (runs of
+        one number share their equations; -1: none), status, reason, stage. Raises LamcError without xarray."""
         return self._dataset(range(self.runs))
 
     @property
@@ -98,7 +105,7 @@ class Best:
 
     def _dataset(self, which: "range | tuple[int, ...]") -> "xarray.Dataset":
         trials = [self.problem.trials[k] for k in which]
-        columns: dict[str, tuple[str, Array | list[str], dict[str, str]]] = {}
+        columns: dict[str, tuple[str, Any, dict[str, str]]] = {}
         for k, variable in enumerate(self.problem.space.variables):
             told = [variable.told(trial.point[k]) for trial in trials]
             columns[variable.name] = ("run", np.array(told), {"units": variable.unit})
@@ -107,6 +114,7 @@ class Best:
         for k, constraint in enumerate(self.problem.constraints):
             values = np.array([trial.constraints[k] for trial in trials])
             columns[constraint.text] = ("run", values, {"units": constraint.measure.unit})
+        columns["structure"] = ("run", self.structures[list(which)], {})
         for name in ("status", "reason", "stage"):
             columns[name] = ("run", np.array([getattr(trial, name) for trial in trials], dtype=np.str_), {})
         coords = {"run": np.array(list(which), dtype=np.int64)}
@@ -129,10 +137,11 @@ class Best:
         heads += [f"{each.text} ({each.measure.unit})" for each in self.problem.constraints]
         with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as stream:
             writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(["run", *heads, "status", "reason", "stage"])
-            for t in self.problem.trials:
+            writer.writerow(["run", *heads, "structure", "status", "reason", "stage"])
+            for t, structure in zip(self.problem.trials, self.structures.tolist(), strict=True):
                 told = self.problem.space.told(t.point).values()
-                writer.writerow([t.index, *told, *t.goals, *t.constraints, t.status, t.reason, t.stage])
+                ended = (structure, t.status, t.reason, t.stage)
+                writer.writerow([t.index, *told, *t.goals, *t.constraints, *ended])
         return path
 
     def write_netcdf(self, path: Path) -> Path:

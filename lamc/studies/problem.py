@@ -8,7 +8,7 @@ What a trial gives depends on nothing but its point. Never: decides where to go.
 import math
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -35,6 +35,7 @@ class Trial:
     violations  of constraints, each by its own size: above zero where it is violated; an equality's may be below
     residual    (m,) whose squares add up to the cost; None where none is known
     stage       what was going on
+    structure   as of `Row`
     """
 
     index: int
@@ -45,6 +46,7 @@ class Trial:
     constraints: tuple[float, ...]
     residual: Array | None
     stage: str
+    structure: str = ""
 
     @property
     def is_ok(self) -> bool:
@@ -60,6 +62,7 @@ class Problem:
     constraints: tuple[Constraint, ...]
     run: Callable[[tuple[float, ...]], Result]
     most: int  # runs
+    structure: Callable[[tuple[float, ...]], str] = lambda _: ""  # of the point that was run last
     told: Callable[["Problem"], None] = lambda _: None
     keep: Callable[[Row], None] = lambda _: None
     known: dict[int, Row] = field(default_factory=dict)  # rows of a folder, by number
@@ -96,9 +99,10 @@ class Problem:
 
     def _made(self, point: tuple[float, ...]) -> Trial:
         row, residual = self._worked(len(self.trials), point)
+        row = replace(row, structure=self.structure(point))
         there = self.known.get(row.index)
         if there is None or there.values[: len(point)] != point:
-            self.keep(Row(row.index, row.status, row.reason, (*point, *row.values)))
+            self.keep(replace(row, values=(*point, *row.values)))
         return self._trial(row, point, residual)
 
     def _kept(self, point: tuple[float, ...]) -> Trial | None:
@@ -110,7 +114,7 @@ class Problem:
             or (len(self.goals) == 1 and self._has_residual())
         ):
             return None
-        return self._trial(Row(row.index, row.status, row.reason, row.values[len(point) :]), point, None)
+        return self._trial(replace(row, values=row.values[len(point) :]), point, None)
 
     def _has_residual(self) -> bool:
         return self.goal.is_squares or self.goal.function is not None
@@ -126,6 +130,7 @@ class Problem:
             row.values[split:],
             residual,
             self.stage,
+            row.structure,
         )
 
     def _worked(self, index: int, point: tuple[float, ...]) -> tuple[Row, Array | None]:
@@ -136,8 +141,12 @@ class Problem:
                 raise KeyboardInterrupt
             if not result.success:
                 return without_values(index, FAILED, result.message, count), None
-            found = [goal.of(result) for goal in self.goals]
-            values = (*(each[0] for each in found), *(c.measure.value(result) for c in self.constraints))
+            given = self.space.numbers(point)
+            found = [goal.of(result, given) for goal in self.goals]
+            values = (
+                *(each[0] for each in found),
+                *(c.measure.value(result, given) for c in self.constraints),
+            )
         except BuildError:
             raise
         except LamcError as error:

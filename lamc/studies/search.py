@@ -64,7 +64,9 @@ class Search:
         """The best. Raises SimulationError if no run goes well, RequestError for a folder of another search, and
         what no run can do without, such as BuildError."""
         with self._store(folder, resume) as (known, keep), quietly():
-            problem = Problem(self.space, self.goals, self.constraints, self.result, self.max_runs)
+            problem = Problem(
+                self.space, self.goals, self.constraints, self.result, self.max_runs, self.structure
+            )
             problem.known, problem.keep = known, keep
             if progress is not None:
                 problem.told = lambda of: progress(len(of.trials), of.most)
@@ -114,6 +116,12 @@ class Search:
         bench = self._benches.setdefault(words, Bench(self.subjects[words]))
         return bench.result(numbers)
 
+    def structure(self, point: tuple[float, ...]) -> str:
+        """As of `Row`, of the point that was run last."""
+        words, numbers = self._parted(point)
+        bench = self._benches.get(words)
+        return "" if bench is None else bench.structure(numbers)
+
     def design(self, point: tuple[float, ...]) -> Made:
         """The design of a point."""
         words, numbers = self._parted(point)
@@ -149,7 +157,8 @@ def search_of(
     first = Bench(Subject(chosen, scene, compiler, RunOptions(), (), {})).simulator(())
     targets = targets_of(chosen, first)
     space = space_of(vary, targets, words)
-    outputs = outputs_of(first)
+    varied = {v.name: v.unit for v in space.variables if not v.has_words}
+    outputs = replace(outputs_of(first), varied=varied)
     several = isinstance(minimise, list | tuple) and not _has_unit(minimise)
     if not minimise:
         raise RequestError(

@@ -105,6 +105,10 @@ class Space:
     def places(self, point: Sequence[float]) -> Array:
         return np.array([v.place(x) for v, x in zip(self.variables, point, strict=True)])
 
+    def numbers(self, point: Sequence[float]) -> dict[str, float]:
+        """Values by name, SI, of all but words."""
+        return {v.name: x for v, x in zip(self.variables, point, strict=True) if not v.has_words}
+
     def told(self, point: Sequence[float]) -> dict[str, Value]:
         return {v.name: v.told(x) for v, x in zip(self.variables, point, strict=True)}
 

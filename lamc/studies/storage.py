@@ -36,7 +36,8 @@ class Store:
     def add(self, row: Row) -> None:
         """Keeps a row. Raises LamcError where the disk is full or gone."""
         line = json.dumps(
-            [row.index, row.status, row.reason, [_plain(v) for v in row.values]], ensure_ascii=True
+            [row.index, row.status, row.reason, [_plain(v) for v in row.values], row.structure],
+            ensure_ascii=True,
         )
         try:
             self._stream.write(line.encode("ascii") + b"\n")
@@ -142,12 +143,13 @@ def _row(line: bytes) -> Row | None:
     if not line.endswith(b"\n"):
         return None
     try:
-        index, status, reason, values = json.loads(line)
+        index, status, reason, values, *more = json.loads(line)
         numbers = tuple(float(each) for each in values)
     except (ValueError, TypeError):
         return None
     is_whole = isinstance(index, int) and status in STATUSES and isinstance(reason, str)
-    return Row(index, status, reason, numbers) if is_whole else None
+    structure = more[0] if more and isinstance(more[0], str) else ""
+    return Row(index, status, reason, numbers, structure) if is_whole else None
 
 
 def _plain(value: float) -> float | str:

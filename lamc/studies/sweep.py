@@ -73,7 +73,9 @@ def sweep(
     yes      whether more than a million points are meant
 
     The others are as of `Simulator.run`. Returns measures over what was varied (of a grid) or over "point", SI units in
-    `attrs`, with `status` ("ok", "refused", "failed", "undefined", "error", "died", "missing") and `reason`; of
+    `attrs`, with `status` ("ok", "refused", "failed", "undefined", "error", "died", "missing") and `reason`, and
+    `structure`: points of one number share their equations and one compile (-1: none), of which `attrs` tell how many
+    "structures" there were, and in "topology" where and how it changed; of
     "saltelli" there are also NAME.first_order and NAME.total over "varied". Ctrl-C ends it and keeps what is there.
     Raises RequestError and DesignError before anything runs; LamcError without xarray.
     """

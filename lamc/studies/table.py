@@ -18,6 +18,7 @@ from lamc.basics.files import replacing
 from lamc.run.request import Array
 from lamc.studies.bench import MISSING, OK, STATUSES, UNDEFINED, Row, Subject
 from lamc.studies.plans import Grid, Plan
+from lamc.studies.structures import NONE, Numbers, numbered, told
 
 if TYPE_CHECKING:
     import xarray
@@ -33,6 +34,8 @@ class Table:
     values    (count,) of each measure, NaN where there is none
     statuses  (count,), places in `STATUSES`; reasons: of points that are not "ok", by number
     design    its name
+    structures  (count,), numbers of structures: points of one number have the same equations; -1 where there are none
+    changes   what is another in structures but the first, in words
     """
 
     plan: Plan
@@ -41,6 +44,16 @@ class Table:
     statuses: "np.ndarray[Any, np.dtype[np.uint8]]"
     reasons: Mapping[int, str]
     design: str
+    structures: Numbers | None = None
+    changes: tuple[str, ...] = ()
+
+    @property
+    def structure_count(self) -> int:
+        """How many there are: as many modules were compiled."""
+        return 0 if self.structures is None else int(self.structures.max(initial=NONE)) + 1
+
+    def structure(self, index: int) -> int:
+        return NONE if self.structures is None else int(self.structures[index])
 
     @property
     def count(self) -> int:
@@ -66,19 +79,20 @@ class Table:
         def write(file: IO[str]) -> None:
             writer = csv.writer(file, lineterminator="\n")
             titles = [f"{name} ({self.units[name]})" for name in (*self.plan.names, *self.values)]
-            writer.writerow([_POINT, *titles, "status", "reason"])
+            writer.writerow([_POINT, *titles, "structure", "status", "reason"])
             columns = list(self.values.values())
             for k in range(self.count):
                 values = [float(column[k]) for column in columns]
-                writer.writerow([k, *self.plan.point(k), *values, self.status(k), self.reasons.get(k, "")])
+                ended = (self.structure(k), self.status(k), self.reasons.get(k, ""))
+                writer.writerow([k, *self.plan.point(k), *values, *ended])
 
         with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="") as file:
             write(file)
         return path
 
     def dataset(self) -> "xarray.Dataset":
-        """Measures, `status` and `reason` over what was varied, of a grid, or over points. Raises LamcError without
-        xarray."""
+        """Measures, `structure`, `status` and `reason` over what was varied, of a grid, or over points. Raises
+        LamcError without xarray."""
         make = need_xarray().Dataset
         grid = self.plan if isinstance(self.plan, Grid) else None
         dims, shape = (grid.names, grid.shape) if grid is not None else ((_POINT,), (self.count,))
@@ -96,9 +110,14 @@ class Table:
             for name, column in self.values.items()
         }
         reasons = np.array([self.reasons.get(k, "") for k in range(self.count)], dtype=np.str_)
+        structures = np.array([self.structure(k) for k in range(self.count)], dtype=np.int32)
+        data["structure"] = (dims, structures.reshape(shape), {"structures": self.structure_count})
         data["status"] = (dims, np.array(STATUSES)[self.statuses].reshape(shape), {})
         data["reason"] = (dims, reasons.reshape(shape), {})
-        found: xarray.Dataset = make(data, coords, {"design": self.design, "statuses": " ".join(STATUSES)})
+        more = {"structures": self.structure_count, "topology": "; ".join(self.changes)}
+        found: xarray.Dataset = make(
+            data, coords, {"design": self.design, "statuses": " ".join(STATUSES), **more}
+        )
         return found
 
     def write_netcdf(self, path: Path) -> Path:
@@ -142,16 +161,19 @@ def table_of(subject: Subject, plan: Plan, rows: Iterable[Row], design: str) -> 
     values = np.full((len(subject.measures), plan.count), math.nan)
     statuses = np.full(plan.count, STATUSES.index(MISSING), dtype=np.uint8)
     reasons: dict[int, str] = {}
+    digests: dict[int, str] = {}
     for row in rows:
         if not 0 <= row.index < plan.count or len(row.values) != len(values):
             continue
         values[:, row.index] = row.values
         statuses[row.index] = STATUSES.index(row.status)
         reasons.pop(row.index, None)
+        digests[row.index] = row.structure
         if row.reason:
             reasons[row.index] = row.reason
     named = dict(zip(subject.measures, values, strict=True))
-    return Table(plan, units, named, statuses, reasons, design)
+    structures = numbered(digests, plan.count)
+    return Table(plan, units, named, statuses, reasons, design, structures, told(subject, plan, structures))
 
 
 def is_usable(status: str) -> bool:

@@ -1,13 +1,15 @@
 """Derivatives of staged values by the chain rule (eq. 12), staged in turn.
 
 One pass over the nodes gives the derivative along one direction: every input x moves at the speed `speeds[x]`. The
-time derivative has q̇ = u; a partial derivative moves one input at speed 1.
+time derivative has q̇ = u; a partial derivative moves one input at speed 1. Where the time moves, inputs that follow
+a series move with it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
 
+from lamc.symbolic.program import Space
 from lamc.symbolic.scalars import Scalar, Value, call, cos, power, reciprocal, sin
-from lamc.symbolic.staging import LEAVES, Store
+from lamc.symbolic.staging import LEAVES, Store, Symbol
 
 Rule = Callable[[Sequence[Scalar], Value, Sequence[Scalar]], Scalar]
 
@@ -19,10 +21,25 @@ def derivatives(values: Sequence[Scalar], speeds: Mapping[Value, Scalar]) -> lis
         return [0 for _ in values]
     store = stores[0]
     moving: dict[int, Scalar] = {x.index: x.sign * speed for x, speed in speeds.items()}
+    pace = _pace_of_time(store, speeds)
     for index in store.live(values):
-        if index not in moving:
+        if index in moving:
+            continue
+        following = store.flows.get(index)
+        if following is None or pace is None:
             moving[index] = _node(store, index, moving)
+        else:
+            moving[index] = pace * Value(store, following, 1)
     return [v.sign * moving[v.index] if isinstance(v, Value) else 0 for v in values]
+
+
+def _pace_of_time(store: Store, speeds: Mapping[Value, Scalar]) -> Scalar | None:
+    """The speed of the time; None: it stands still, or nothing follows it."""
+    for x, speed in speeds.items() if store.flows else ():
+        symbol = store.payloads.get(x.index)
+        if isinstance(symbol, Symbol) and symbol.space is Space.TIME:
+            return x.sign * speed
+    return None
 
 
 def derivative(value: Scalar, speeds: Mapping[Value, Scalar]) -> Scalar:

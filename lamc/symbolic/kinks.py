@@ -6,8 +6,9 @@ with the interval, and a jump stays. What rises within 1e-7 of the whole time co
 between neighbouring instants may be missed.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -43,6 +44,15 @@ _LEFT = 0.4871  # share of the left part: with one half, the middle would often 
 _JUMP = 1e-6  # of the largest value: far above what a rise within 1e-7 of the time changes in the end
 
 
+class Curve(Protocol):
+    """A function of the time, with its derivatives."""
+
+    def at(self, t: Array, order: int = 0, /) -> Array: ...
+
+
+_ORDERS = 2  # of a curve: its value and its rate
+
+
 @dataclass(frozen=True)
 class Kink:
     """t: s; jump: by how much the value, or if it is continuous (order 1) the derivative, changes there."""
@@ -52,20 +62,24 @@ class Kink:
     order: int
 
 
-def first_kink(text: str, values: Mapping[str, float], t_end: float, instants: int) -> Kink | None:
-    """The first jump of `text` or of its derivative by t within (0, t_end), or None.
+def first_kink(text: str, values: "Mapping[str, float | Curve]", t_end: float, instants: int) -> Kink | None:
+    """The first jump of `text` or of its derivative by t within (0, t_end), or None. values: of its other names; a
+    curve is a function of the time that has no kink of its own.
 
     instants  how many times are looked at, at least. Raises ExpressionError as `stage` does.
     """
     store = Store()
     t = store.symbol("t", Space.TIME, 0)
-    value = stage(text, {"t": t, **values})
+    curves = {name: each for name, each in values.items() if not isinstance(each, float | int)}
+    chains = {name: store.series(name, _ORDERS * place, _ORDERS) for place, name in enumerate(curves)}
+    value = stage(text, {"t": t, **values, **chains})  # type: ignore[dict-item]  # no curve is left
     if not isinstance(value, Value) or not _may_have_kinks(store, value):
         return None
     # Not evenly spread: what oscillates would be seen at its zeros only, and a kink be hit where it has no rate.
     steps = np.arange(instants) + np.modf(_GOLDEN * np.arange(1, instants + 1))[0]
     times = t_end * steps / (instants + 1)
-    functions = [_function(store, v) for v in (value, derivative(value, {t: 1}))]
+    known = list(curves.values())
+    functions = [_function(store, v, known) for v in (value, derivative(value, {t: 1}))]
     sizes = [_largest(function(times)) for function in functions]
     sizes[1] = max(sizes[1], sizes[0] / t_end)  # a rate of round-off alone is none
     found = [_first_jump(function, times, sizes[k], k) for k, function in enumerate(functions)]
@@ -78,7 +92,7 @@ def _may_have_kinks(store: Store, value: Value) -> bool:
     )
 
 
-def _function(store: Store, value: Scalar) -> Callable[[Array], Array]:
+def _function(store: Store, value: Scalar, curves: "Sequence[Curve]") -> Callable[[Array], Array]:
     """`value` at times (m,)."""
 
     def evaluate(times: Array) -> Array:
@@ -88,7 +102,10 @@ def _function(store: Store, value: Scalar) -> Callable[[Array], Array]:
         with np.errstate(all="ignore"):
             for index in store.live([value]):
                 payload = store.payloads.get(index)
-                if isinstance(payload, Symbol):
+                if isinstance(payload, Symbol) and payload.space is Space.CONSTANT:
+                    place, order = divmod(payload.index, _ORDERS)
+                    known[index] = curves[place].at(times, order)
+                elif isinstance(payload, Symbol):
                     known[index] = times
                 elif payload is not None:
                     known[index] = np.full(times.shape, float(payload))

@@ -147,6 +147,16 @@ class Coordinate:
 
 
 @dataclass(frozen=True, slots=True)
+class SeriesInput:
+    """An input that follows a series. Its value and its derivatives by time are constants that the runtime keeps."""
+
+    name: str
+    unit: str
+    meaning: str
+    order: int  # of the highest derivative that the accelerations hold
+
+
+@dataclass(frozen=True, slots=True)
 class Guard:
     """A condition whose passing of zero is an event."""
 
@@ -205,6 +215,7 @@ class Program:
     pattern: Pattern | None = None  # of J; None: a tree
     guards: "tuple[Guard, ...]" = ()
     drawn: tuple[float, ...] = ()  # state at rest as drawn, (nq + nu,); empty: all zero
+    series: tuple[SeriesInput, ...] = ()  # theirs are the first constants, four for each
     powers: tuple[str, ...] = ()  # names of the effects, in the order of "power"
     columns: tuple[str, ...] = ()  # k parameters and dimensions, in the order of the columns of "tangents"
     jacobian_cost: float = 0.0  # operations of "jacobian" over those of an acceleration

@@ -14,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import IntEnum
+from itertools import pairwise
 
 from lamc.symbolic.functions import FUNCTIONS
 from lamc.symbolic.piecewise import Piecewise
@@ -70,6 +71,7 @@ class Store:
         ] = {}  # numbers of the drawing, in the order in which they were asked for
         self.sections: list[Section] = [Section("", "", "")]
         self.tables: list[Piecewise] = []
+        self.flows: dict[int, int] = {}  # node of a symbol that moves with time → node of its derivative
         self.is_frozen = False  # equations that are finished: what is to be added is added to a copy
         self.factors: set[int] = (
             set()
@@ -87,6 +89,7 @@ class Store:
             setattr(copied, name, list(getattr(self, name)))
         copied.payloads, copied._known = dict(self.payloads), dict(self._known)
         copied.drawn, copied.factors = dict(self.drawn), set(self.factors)
+        copied.flows = dict(self.flows)
         copied._unnamed = {scope: dict(known) for scope, known in self._unnamed.items()}
         return copied
 
@@ -114,6 +117,14 @@ class Store:
         return Value(
             self, self._node((SYMBOL, space, index), SYMBOL, (), level, Symbol(name, space, index)), 1
         )
+
+    def series(self, name: str, first: int, orders: int) -> Value:
+        """The symbol of an input that follows a series: the runtime keeps its value, and then its derivatives by time
+        up to order `orders` - 1, in constants from `first` on. What moves by time moves it by its derivative."""
+        names = (name, *(f"series_{first + order}" for order in range(1, orders)))
+        chain = [self.symbol(each, Space.CONSTANT, first + order) for order, each in enumerate(names)]
+        self.flows |= {a.index: b.index for a, b in pairwise(chain)}
+        return chain[0]
 
     def number(self, value: Number) -> int:
         """Index of the node that holds a number; finite ones only."""

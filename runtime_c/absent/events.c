@@ -19,3 +19,8 @@ lamc_status lamc_events_after_step(lamc_run *run) {
   (void)run;
   return LAMC_OK;
 }
+
+lamc_status lamc_events_at_break(lamc_run *run) {
+  (void)run;
+  return LAMC_OK;
+}

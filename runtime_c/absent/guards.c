@@ -10,6 +10,10 @@ void lamc_guards_sense(const void *motion, lamc_real t, const lamc_real *y) {
   (void)motion, (void)t, (void)y;
 }
 
+void lamc_guards_review(const void *motion, lamc_real t, const lamc_real *y) {
+  (void)motion, (void)t, (void)y;
+}
+
 void lamc_guards_values(const void *motion, lamc_real t, const lamc_real *y, lamc_real *guards) {
   (void)motion, (void)t, (void)y, (void)guards;
 }

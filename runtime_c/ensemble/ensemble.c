@@ -69,7 +69,7 @@ static lamc_ode plain_ode(const lamc_motion *motion) {
 
 /* Numbers for the run of one instance; 0 where it cannot be */
 static long long run_size(const lamc_ensemble *e) {
-  const lamc_motion motion = {e->model, NULL, NULL, 0};
+  const lamc_motion motion = {e->model, NULL, NULL, 0, e->recording};
   const lamc_ode ode = plain_ode(&motion);
   return lamc_run_work_size(&ode, e->method);
 }
@@ -109,6 +109,7 @@ static void lay_out(bench *b, const lamc_ensemble *e, lamc_real *work) {
     lane *l = b->lanes[k] = (lane *)(void *)cut(&rest, numbers_of_lane());
     memset(l, 0, sizeof *l);
     l->motion.model = e->model;
+    l->motion.recording = e->recording;
     l->motion.constants = cut(&rest, e->model->constant_count + 1);
     l->motion.work = cut(&rest, lamc_motion_work_size(e->model) + 1);
     l->run_work = cut(&rest, run);

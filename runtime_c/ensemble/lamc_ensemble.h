@@ -29,6 +29,7 @@ enum {
 /* What is asked for. Threads share one; only `next` and the outputs change. */
 typedef struct lamc_ensemble {
   const lamc_model *model;
+  const lamc_recording *recording; /* what the inputs of all instances follow; NULL: the model's, if any */
   lamc_method method;
   lamc_options options;
   lamc_real t_end;         /* s; runs start at 0 */

@@ -57,6 +57,27 @@ typedef struct lamc_pattern {
   const int *left;       /* (left_start[step_count],): the rates that are left in a row, the pivot's first */
 } lamc_pattern;
 
+/* A value, and its first three derivatives by time */
+enum { LAMC_SERIES_ORDERS = 4 };
+
+/* An input over time, by pieces of polynomials. */
+typedef struct lamc_series {
+  long long count;      /* rows, > 0 */
+  int width;            /* coefficients of a row, 1 to 4 */
+  lamc_real begin, end; /* s: before and after, there is no value */
+  const lamc_real
+      *t; /* (count,), s, strictly ascending: where rows begin; the first counts before that too */
+  const lamc_real *rows; /* (count, width): by rising power of the time since the row began */
+} lamc_series;
+
+/* What inputs follow in a run, and where its steps end for it. */
+typedef struct lamc_recording {
+  const lamc_series *series; /* (series_count,) */
+  const lamc_real
+      *breaks; /* (break_count,), s, strictly ascending: an input, or a derivative of it, jumps at each */
+  long long break_count;
+} lamc_recording;
+
 typedef struct lamc_model {
   const char *name;            /* of the mechanism */
   const char *digest;          /* of the program that the C was printed from, hexadecimal */
@@ -77,6 +98,7 @@ typedef struct lamc_model {
   int guard_count;    /* conditions whose passing of zero is an event */
   int power_count;    /* effects whose power is told; 0: none */
   int table_count;    /* piecewise cubics in the equations, whose higher derivatives jump */
+  int series_count; /* inputs that follow a table over time; each has LAMC_SERIES_ORDERS of the first constants */
   const char *const *joint_names;      /* (joint_count,), UTF-8 */
   const char *const *coordinate_names; /* (nq,), UTF-8 */
   const char *const *coordinate_units; /* (nq,), UTF-8; NULL: all rad */
@@ -88,6 +110,9 @@ typedef struct lamc_model {
   const char *const *energy_names;     /* (energy_count,), UTF-8 */
   const char *const *guard_names;      /* (guard_count,), UTF-8 */
   const char *const *power_names;      /* (power_count,), UTF-8 */
+  const char *const *series_names;     /* (series_count,), UTF-8 */
+  const int *series_orders;            /* (series_count,): the highest derivative that accelerations hold */
+  const lamc_recording *recording;     /* followed where a motion has none of its own; NULL: none */
   const lamc_real *parameter_defaults; /* (parameter_count + geometry_count,), in parameter_units, then SI */
   const int *guard_modes;  /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact */
   lamc_real jacobian_cost; /* operations of jacobian over those of an acceleration */
@@ -135,20 +160,24 @@ typedef struct lamc_model {
   /* At udot -> power (power_count,) W of all loads that each effect applies */
   void (*power)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                 const lamc_real *udot, lamc_real *power);
+  /* At udot -> what it adds to the guards' rates (guard_count,). NULL: no guard depends on u */
+  void (*guard_changes)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                        const lamc_real *udot, lamc_real *changes);
 } lamc_model;
 
 /* A model with its constants: what the functions below evaluate. One thread at a time for loops and guards, which use
  * work and constants. */
 typedef struct lamc_motion {
   const lamc_model *model;
-  lamc_real
-      *constants;  /* (constant_count,), from model->setup; of them, only the guards' modes change later */
+  lamc_real *
+      constants; /* (constant_count,), from model->setup; of them, only series and guards' modes change later */
   lamc_real *work; /* (lamc_motion_work_size(model),); NULL where that is 0 */
   lamc_real
       baumgarte; /* 1/s, rate at which loops that drifted close again; 0: states are brought back instead */
+  const lamc_recording *recording; /* what its inputs follow; NULL: the model's */
 } lamc_motion;
 
-/* Numbers that `work` must hold; 0 for a tree with acceleration and without guards and power. */
+/* Numbers that `work` must hold; 0 for a tree with acceleration and without guards, series and power. */
 long long lamc_motion_work_size(const lamc_model *model);
 
 /* Brings y = [q, u] of a motion with loops back to closure, by the smallest move in the mass metric: positions first,
@@ -213,6 +242,8 @@ typedef struct lamc_ode {
   void (*guards)(const void *context, lamc_real t, const lamc_real *y, lamc_real *guards);
   /* Before a run starts at (t, y): what rhs and guards stand for there */
   void (*sense)(const void *context, lamc_real t, const lamc_real *y);
+  /* After a change of the equation, or to another state: the same, but for guards that are zero up to round-off */
+  void (*review)(const void *context, lamc_real t, const lamc_real *y);
   /* The guards with struck (guard_count,) above 0 have reached zero at (t, y), all at one instant: changes y, or what rhs
    * and guards stand for from here on */
   lamc_status (*event)(const void *context, lamc_real t, lamc_real *y, const lamc_real *struck);
@@ -223,6 +254,11 @@ typedef struct lamc_ode {
   /* Adds to the integrals what an event does that changes y from `before` to `after` */
   void (*jump)(const void *context, lamc_real t, const lamc_real *before, const lamc_real *after,
                lamc_real *integrals);
+  /* Times at which rhs or a derivative of it by time jumps, (break_count,), s, strictly ascending: a step ends at each */
+  const lamc_real *breaks;
+  long long break_count;
+  /* From here on rhs stands for times up to the break of that number, at it what holds before; break_count: for all */
+  void (*pass)(const void *context, long long next);
 } lamc_ode;
 
 /* The motion as an equation in y = [q, u], n = nq + nu; `motion` must outlive it. With guards a run changes the
@@ -324,9 +360,11 @@ typedef struct lamc_run {
   int was_closed;     /* 0: the step before this one lost what must hold */
   int has_jacobian;   /* 1: work holds the Jacobian at t */
   int has_polynomial; /* 1: work holds the polynomial of the last step, for a first guess of the next */
-  int may_pass;       /* 1: the first step of an implicit method is still to come, see implicit.h */
-  lamc_status status; /* of the last call; a negative one stays */
-  lamc_real *work;    /* (lamc_run_work_size(&ode, method),) */
+  long long next_break; /* index of the first break ahead */
+  lamc_real h_free;     /* s, the step that would have been tried but for a break; 0: none cut it short */
+  int may_pass;         /* 1: the first step of an implicit method is still to come, see implicit.h */
+  lamc_status status;   /* of the last call; a negative one stays */
+  lamc_real *work;      /* (lamc_run_work_size(&ode, method),) */
 } lamc_run;
 
 /* Numbers that `work` must hold; 0 if the equation has a size that cannot be, or lacks what the method needs. */

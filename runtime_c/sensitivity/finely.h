@@ -23,22 +23,30 @@ static inline lamc_real lamc_s_error(int n, int width, lamc_real h, const lamc_r
                                      const lamc_real *fifth, const lamc_real *third, const lamc_real *sens) {
   const ptrdiff_t size = (ptrdiff_t)n * width;
   lamc_real worst = 0;
-  for (int c = 0; c < width; c++) {
-    lamc_real five = 0, three = 0, most = 0;
+  for (int b = 0; b < width; b += PACK) {
+    lamc_real five[PACK] = {0}, three[PACK] = {0}, most[PACK] = {0};
     for (int i = 0; i < n; i++) {
-      lamc_real a = 0, b = 0;
+      const ptrdiff_t at = (ptrdiff_t)i * width + b;
+      lamc_real a[PACK] = {0}, d[PACK] = {0};
+      lamc_pack of_a = lamc_pack_at(a), of_d = of_a;
       for (int k = 0; k < count; k++) {
-        const lamc_real slope = slopes[(ptrdiff_t)k * size + (ptrdiff_t)i * width + c];
-        a += fifth[k] * slope;
-        if (third != NULL) b += third[k] * slope;
+        const lamc_pack slope = lamc_pack_at(slopes + (ptrdiff_t)k * size + at);
+        of_a = lamc_pack_add(of_a, fifth[k], slope);
+        if (third != NULL) of_d = lamc_pack_add(of_d, third[k], slope);
       }
-      five = larger(five, fabs(h * a));
-      three = larger(three, fabs(h * b));
-      most = larger(most, fabs(sens[(ptrdiff_t)i * width + c]));
+      lamc_pack_put(a, of_a);
+      lamc_pack_put(d, of_d);
+      for (int c = 0; c < PACK; c++) {
+        five[c] = larger(five[c], fabs(h * a[c]));
+        three[c] = larger(three[c], fabs(h * d[c]));
+        most[c] = larger(most[c], fabs(sens[at + c]));
+      }
     }
-    const lamc_real both = sqrt(five * five + LAMC_R(0.01) * three * three);
-    const lamc_real error = third == NULL ? five : both > 0 ? five * five / both : 0;
-    if (most > 0) worst = larger(worst, error / most);
+    for (int c = 0; c < PACK; c++) {
+      const lamc_real both = sqrt(five[c] * five[c] + LAMC_R(0.01) * three[c] * three[c]);
+      const lamc_real error = third == NULL ? five[c] : both > 0 ? five[c] * five[c] / both : 0;
+      if (most[c] > 0) worst = larger(worst, error / most[c]);
+    }
   }
   return worst;
 }
@@ -51,13 +59,9 @@ static inline lamc_real lamc_fine_step(lamc_sensitivity *s, lamc_real t, lamc_re
   const ptrdiff_t size = (ptrdiff_t)n * s->width;
   for (int stage = 0; stage <= FINE_STAGES; stage++) {
     memcpy(y_new, y, (size_t)n * sizeof *y);
-    memcpy(sens_new, sens, (size_t)size * sizeof *sens);
-    for (int j = 0; j < stage; j++) {
-      const lamc_real weight = h * DOP853_A[stage][j];
-      if (weight == 0) continue;
-      for (int i = 0; i < n; i++) y_new[i] += weight * k[(ptrdiff_t)j * row + i];
-      lamc_add_weighted(size, weight, slopes + (ptrdiff_t)j * size, sens_new);
-    }
+    lamc_weighted_sum(size, sens, h, stage, DOP853_A[stage], slopes, sens_new);
+    for (int j = 0; j < stage; j++)
+      for (int i = 0; i < n; i++) y_new[i] += h * DOP853_A[stage][j] * k[(ptrdiff_t)j * row + i];
     if (stage == FINE_STAGES) break;
     lamc_real *slope = k + (ptrdiff_t)stage * row;
     const lamc_real at = t + DOP853_C[stage] * h;

@@ -55,6 +55,7 @@ typedef struct lamc_sensitivity {
   int column_count;            /* of S */
   int width;                   /* the same, padded: distance of its rows */
   lamc_real t;                 /* s, where S stands */
+  lamc_real t_break;           /* s, of the last break of a series that was passed */
   lamc_real t_lost;            /* s, since when there are no derivatives */
   int lost;                    /* lamc_lost: why */
   int lost_guard;              /* of LOST_TOGETHER and LOST_GRAZING: which guard */

@@ -59,15 +59,31 @@ static inline void lamc_add_weighted(ptrdiff_t count, lamc_real weight, const la
     for (ptrdiff_t i = b; i < b + LANES; i++) out[i] += weight * v[i];
 }
 
+/* out = from + sum over the first `count` slopes of h weight times slope; of (size,), a multiple of LANES, each */
+static inline void lamc_weighted_sum(ptrdiff_t size, const lamc_real *LAMC_RESTRICT from, lamc_real h,
+                                     int count, const lamc_real *weights,
+                                     const lamc_real *LAMC_RESTRICT slopes, lamc_real *LAMC_RESTRICT out) {
+  const lamc_real *used[16];
+  lamc_real weight[16];
+  int terms = 0;
+  for (int j = 0; j < count; j++) {
+    if (weights[j] == 0) continue;
+    used[terms] = slopes + j * size;
+    weight[terms++] = h * weights[j];
+  }
+  for (ptrdiff_t b = 0; b < size; b += PACK) {
+    lamc_pack sum = lamc_pack_at(from + b);
+    for (int j = 0; j < terms; j++) sum = lamc_pack_add(sum, weight[j], lamc_pack_at(used[j] + b));
+    lamc_pack_put(out + b, sum);
+  }
+}
+
 /* S (n, width) at a stage, from where the step began */
 static inline void lamc_replay_argument(const lamc_sensitivity *s, const tableau *a, int stage, lamc_real h,
                                         lamc_real *out) {
   const ptrdiff_t size = (ptrdiff_t)s->run.ode.n * s->width;
-  memcpy(out, s->start, (size_t)size * sizeof *out);
-  for (int j = 0; j < stage && j < a->across; j++) {
-    const lamc_real weight = a->weight[stage * a->across + j];
-    if (weight != 0) lamc_add_weighted(size, h * weight, lamc_slope_of(s, j), out);
-  }
+  lamc_weighted_sum(size, s->start, h, stage < a->across ? stage : a->across,
+                    a->weight + (ptrdiff_t)stage * a->across, s->slopes, out);
 }
 
 /* One stage: dS/dt there. stage, y: (n, width) and (n,) of scratch */

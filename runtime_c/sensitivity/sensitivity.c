@@ -11,6 +11,7 @@
 #include "guards.h"
 #include "impacts.h"
 #include "rows.h"
+#include "series.h"
 
 #include <limits.h>
 
@@ -146,8 +147,12 @@ static void follow(lamc_sensitivity *s) {
 /* How much later the event comes, by column, into the first row of `out`. 0: the guard is touched and not passed */
 static int delay(lamc_sensitivity *s, lamc_real t, const lamc_real *y, const lamc_real *slope, int guard,
                  lamc_real *out) {
+  for (int c = 0; c < s->width; c++) out[c] = 0;
+  if (t == s->t_break)
+    return 1; /* a series jumped, and the guard with it: at its time, whatever the parameters */
   const variation v = lamc_variation_of(s);
   const lamc_real *row = v.derivative + (ptrdiff_t)guard * (v.n + 1 + v.k);
+  lamc_series_put(&s->beside, t);
   s->tangents->guards(s->beside.constants, t, y, y + v.nq, v.derivative);
   lamc_real rate = row[v.n], size = fabs(rate);
   for (int j = 0; j < v.n; j++) {
@@ -172,6 +177,7 @@ static void struck_at(lamc_sensitivity *s, const room *r, lamc_real t, const lam
     const lamc_real *direction = s->directions + (ptrdiff_t)c * inputs;
     for (int i = 0; i < inputs; i++) r->inputs[i] = s->inputs[i] + way * direction[i];
     model->setup(r->inputs, s->beside.constants);
+    lamc_series_put(&s->beside, t);
     for (int g = 0; g < model->guard_count; g++) {
       const int mode = model->guard_modes[g];
       if (mode >= 0) s->beside.constants[mode] = r->constants[mode];
@@ -315,6 +321,21 @@ static lamc_status meet(const void *context, lamc_real t, lamc_real *y, const la
   return status;
 }
 
+/* A step that ended at a break of a series is followed before the run looks at what comes after it. Breaks stand still: S
+ * does not jump there. */
+static void pass(const void *context, long long next) {
+  lamc_sensitivity *s = (lamc_sensitivity *)context; /* whose first member is the motion */
+  if (s->run.t > s->t) {
+    const room r = room_of(s);
+    follow(s);
+    if (wants_rows_within(&s->run) && lamc_is_replayed(s->method)) lamc_replay_extend(s, r.argument, r.y);
+  }
+  s->has_slope = 0;
+  s->t_break = s->run.t;
+  lamc_series_pass(context, next);
+  lamc_series_pass(&s->beside, next);
+}
+
 /* ---- A run ------------------------------------------------------------------------------------------------- */
 
 lamc_status lamc_sensitivity_start(lamc_sensitivity *s, const lamc_motion *motion,
@@ -338,12 +359,14 @@ lamc_status lamc_sensitivity_start(lamc_sensitivity *s, const lamc_motion *motio
   s->width = padded(column_count);
   s->t = t0;
   s->t_lost = HUGE_VAL;
+  s->t_break = -HUGE_VAL;
   room r;
   (void)lay_out(s, &r, motion->model, tangents->column_count, column_count, work);
   if (motion->model->cut_count > 0) lamc_loops_begin(&s->beside);
   lamc_ode ode = lamc_motion_ode(&s->motion);
   ode.integral_count = 0;
   if (ode.guard_count > 0) ode.event = meet;
+  if (ode.pass != NULL) ode.pass = pass;
   const lamc_status status =
       lamc_run_start(&s->run, &ode, which, options, t0, y0, t_end, t_eval, t_eval_count, run_work);
   for (int i = 0; i < ode.n; i++)

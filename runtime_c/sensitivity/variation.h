@@ -8,15 +8,18 @@
 #include "lamc_sensitivity.h"
 
 #include "cholesky.h"
+#include "loop_columns.h"
 #include "loops.h"
 #include "method.h"
 #include "motion.h"
+#include "packs.h"
+#include "series.h"
 #include "system.h"
 
 /* Counts of a model, and where its parts lie in scratch */
 typedef struct variation {
   int nq, nu, m, n, k, width;
-  lamc_real *udot, *lambda, *derivative, *inertia, *l, *x, *goal, *goals;
+  lamc_real *udot, *lambda, *derivative, *inertia, *l, *x, *goal, *goals, *packs;
 } variation;
 
 static inline long long lamc_variation_size(const lamc_model *model, int k, int width) {
@@ -26,7 +29,7 @@ static inline long long lamc_variation_size(const lamc_model *model, int k, int 
   const long long guards = (long long)model->guard_count * (n + 1 + k);
   long long most = residuals > closure ? residuals : closure;
   if (guards > most) most = guards;
-  return nu + m + most + nu * (nu + 1) / 2 + nu * nu + nu + m + m * width;
+  return nu + m + most + nu * (nu + 1) / 2 + nu * nu + nu + m + m * width + lamc_loop_columns_size(model);
 }
 
 static inline variation lamc_variation_of(const lamc_sensitivity *s) {
@@ -45,7 +48,8 @@ static inline variation lamc_variation_of(const lamc_sensitivity *s) {
   v.x = v.l + (ptrdiff_t)v.nu * v.nu;
   v.goal = v.x + v.nu;
   v.goals = v.goal + v.m;
-  v.derivative = v.goals + (ptrdiff_t)v.m * v.width;
+  v.packs = v.goals + (ptrdiff_t)v.m * v.width;
+  v.derivative = v.packs + lamc_loop_columns_size(model);
   return v;
 }
 
@@ -61,13 +65,16 @@ static inline void lamc_row_scale(int width, lamc_real value, lamc_real *out) {
     for (int i = b; i < b + LANES; i++) out[i] *= value;
 }
 
-/* out (width,) = -(row of derivatives by `count` state components, then by columns) along S */
+/* out (width,) = -(row of derivatives by `count` state components, then by columns) along S, a block of columns at a time */
 static inline void lamc_minus_along(const variation *v, int count, const lamc_real *row,
                                     const lamc_real *sens, lamc_real *out) {
-  for (int c = 0; c < v->width; c++) out[c] = 0;
-  for (int c = 0; c < v->k; c++) out[c] = -row[count + c];
-  for (int j = 0; j < count; j++) {
-    if (row[j] != 0) lamc_row_less(v->width, row[j], sens + (ptrdiff_t)j * v->width, out);
+  for (int b = 0; b < v->width; b += PACK) {
+    lamc_real begin[PACK] = {0};
+    for (int c = b; c < v->k && c < b + PACK; c++) begin[c - b] = -row[count + c];
+    lamc_pack sum = lamc_pack_at(begin);
+    for (int j = 0; j < count; j++)
+      sum = lamc_pack_add(sum, -row[j], lamc_pack_at(sens + (ptrdiff_t)j * v->width + b));
+    lamc_pack_put(out + b, sum);
   }
 }
 
@@ -91,29 +98,15 @@ static inline int lamc_vary_prepare(const lamc_sensitivity *s, const variation *
   return 0;
 }
 
-/* rows (nu, width), right-hand sides, replaced by M^-1 of them: all columns at once */
-static inline void lamc_vary_solve_tree(const variation *v, const lamc_real *l, lamc_real *rows) {
-  const int w = v->width;
-  for (int i = 0; i < v->nu; i++) {
-    lamc_real *row = rows + (ptrdiff_t)i * w;
-    const lamc_real *li = l + (ptrdiff_t)i * v->nu;
-    for (int j = 0; j < i; j++)
-      if (li[j] != 0) lamc_row_less(w, li[j], rows + (ptrdiff_t)j * w, row);
-    lamc_row_scale(w, li[i], row);
-  }
-  for (int i = v->nu - 1; i >= 0; i--) {
-    lamc_real *row = rows + (ptrdiff_t)i * w;
-    for (int j = i + 1; j < v->nu; j++) {
-      const lamc_real entry = l[(ptrdiff_t)j * v->nu + i];
-      if (entry != 0) lamc_row_less(w, entry, rows + (ptrdiff_t)j * w, row);
-    }
-    lamc_row_scale(w, l[(ptrdiff_t)i * v->nu + i], row);
-  }
-}
-
 /* rows (nu, width) replaced by x of M x = rows + J^T ..., J x + goals = 0, by columns; goals (m, width) */
 static inline void lamc_vary_solve_loops(const lamc_sensitivity *s, const variation *v, int count,
                                          int columns, lamc_real *rows) {
+  lamc_loop_parts p;
+  lamc_loop_parts_of(&s->beside, &p);
+  if (lamc_has_loop_columns(&p)) {
+    lamc_loop_columns(&p, count, v->width, v->goals, rows, v->packs);
+    return;
+  }
   for (int c = 0; c < columns; c++) {
     for (int i = 0; i < v->nu; i++) v->x[i] = rows[(ptrdiff_t)i * v->width + c];
     for (int i = 0; i < v->m; i++) v->goal[i] = v->goals[(ptrdiff_t)i * v->width + c];
@@ -128,6 +121,7 @@ static inline void lamc_vary(lamc_sensitivity *s, lamc_real t, const lamc_real *
   const lamc_model *model = s->motion.model;
   const variation v = lamc_variation_of(s);
   const int across = v.n + v.k;
+  lamc_series_put(&s->beside, t);
   const int count = lamc_vary_prepare(s, &v, t, y, known);
   lamc_real *late = slope + (ptrdiff_t)v.nq * v.width;
   s->tangents->residuals(s->beside.constants, t, y, y + v.nq, v.udot, v.lambda, v.derivative);
@@ -142,7 +136,7 @@ static inline void lamc_vary(lamc_sensitivity *s, lamc_real t, const lamc_real *
     }
     lamc_vary_solve_loops(s, &v, count, s->column_count, late);
   } else {
-    lamc_vary_solve_tree(&v, lamc_is_system(model) ? s->beside.work : v.l, late);
+    lamc_solve_columns(v.nu, lamc_is_system(model) ? s->beside.work : v.l, v.width, late);
   }
   if (model->rates == NULL) {
     memcpy(slope, sens + (ptrdiff_t)v.nq * v.width, (size_t)v.nq * (size_t)v.width * sizeof *slope);

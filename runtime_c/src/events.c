@@ -281,6 +281,20 @@ static void go_on(lamc_run *run, const room *r, const lamc_real *guards) {
   lamc_integrals_step(run);
 }
 
+/* What the guards that are struck do, where the run stands */
+static lamc_status go_through(lamc_run *run, const room *r) {
+  lamc_integrals_before(run);
+  lamc_status status = run->ode.event(run->ode.context, run->t, y_here(run), r->due);
+  if (status == LAMC_OK) status = count_struck(run, r);
+  if (status != LAMC_OK) return status;
+  lamc_integrals_after(run);
+  run->ode.guards(run->ode.context, run->t, y_here(run), r->here);
+  evaluate(run, run->t, y_here(run), slope_here(run));
+  run->row_due = run->t_eval == NULL;
+  lamc_run_restart(run);
+  return LAMC_OK;
+}
+
 lamc_status lamc_events_after_step(lamc_run *run) {
   if (run->ode.guard_count == 0) {
     lamc_integrals_step(run);
@@ -309,16 +323,20 @@ lamc_status lamc_events_after_step(lamc_run *run) {
     (void)lamc_run_interpolate(run, 0.5 * (run->t_old + run->t), y);
   }
   lamc_integrals_step(run);
-  lamc_integrals_before(run);
   find_struck(run, &r, first, whole);
-  status = run->ode.event(run->ode.context, run->t, y_here(run), r.due);
-  if (status != LAMC_OK) return status;
-  status = count_struck(run, &r);
-  if (status != LAMC_OK) return status;
-  lamc_integrals_after(run);
-  run->ode.guards(run->ode.context, run->t, y_here(run), r.here);
-  evaluate(run, run->t, y_here(run), slope_here(run));
-  run->row_due = run->t_eval == NULL;
-  lamc_run_restart(run);
-  return LAMC_OK;
+  return go_through(run, &r);
+}
+
+lamc_status lamc_events_at_break(lamc_run *run) {
+  if (run->ode.guard_count == 0) return LAMC_OK;
+  const room r = room_of(run);
+  int struck = 0;
+  run->ode.guards(run->ode.context, run->t, y_here(run), r.there);
+  for (int g = 0; g < r.k; g++) {
+    const int is_struck = r.there[g] > 0.0 && !(r.here[g] > 0.0);
+    r.due[g] = is_struck ? 1.0 : 0.0;
+    struck += is_struck;
+  }
+  memcpy(r.here, r.there, 2 * (size_t)r.k * sizeof *r.here);
+  return struck > 0 ? go_through(run, &r) : LAMC_OK;
 }

@@ -14,6 +14,9 @@ void lamc_events_start(lamc_run *run, lamc_real *memory);
  * LAMC_OK, LAMC_PAUSED where the shortened step was refused, LAMC_EVENTS_PILE_UP, or what the event says. */
 lamc_status lamc_events_after_step(lamc_run *run);
 
+/* At a break that the run has just passed: what guards are there now. Those that jumped beyond zero are struck. */
+lamc_status lamc_events_at_break(lamc_run *run);
+
 /* The guard of the next event to be written; there is one (run->event_due > 0). */
 int lamc_events_due(const lamc_run *run);
 

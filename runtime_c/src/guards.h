@@ -7,6 +7,9 @@
 /* Sets every mode by the sign of its guard at y = [q, u]: lamc_ode.sense of a motion. */
 void lamc_guards_sense(const void *motion, lamc_real t, const lamc_real *y);
 
+/* Turns the modes that do not fit where the run stands, but for round-off: lamc_ode.review of a motion. */
+void lamc_guards_review(const void *motion, lamc_real t, const lamc_real *y);
+
 /* Guards that pass from negative to positive, whatever the modes, then their rates: lamc_ode.guards of a motion. */
 void lamc_guards_values(const void *motion, lamc_real t, const lamc_real *y, lamc_real *guards);
 

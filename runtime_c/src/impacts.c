@@ -14,6 +14,7 @@
 #include "cholesky.h"
 #include "loops.h"
 #include "motion.h"
+#include "series.h"
 #include "tolerances.h"
 
 #include <string.h>
@@ -207,6 +208,7 @@ static void solve_together(const impacts *p, int found) {
 void lamc_impacts(const lamc_motion *motion, lamc_real t, lamc_real *y, const lamc_real *struck) {
   const impacts p = impacts_of(motion);
   lamc_real *q = y, *u = y + motion->model->coordinate_count;
+  lamc_series_put(motion, t);
   motion->model->impacts(motion->constants, t, q, p.restitution);
   const int count = weigh(motion, &p, t, q, u);
   for (int round = 0; round < MAX_ROUNDS; round++) {

@@ -9,6 +9,7 @@
 #include "cholesky.h"
 #include "loops.h"
 #include "motion.h"
+#include "series.h"
 #include "system.h"
 #include "tolerances.h"
 
@@ -94,6 +95,7 @@ static void by_residuals(const lamc_motion *motion, lamc_real t, const lamc_real
   lamc_real *l = derivative + (ptrdiff_t)(n + m) * columns + flow;
   lamc_real *inertia = l + (ptrdiff_t)n * n, *x = inertia + triangle(n), *goal = x + n;
   int count = 0;
+  lamc_series_put(motion, t);
   if (model->cut_count > 0) {
     count = lamc_loops_acceleration(motion, t, y, y + nq, udot, lambda);
   } else {

@@ -25,7 +25,7 @@ enum {
 }; /* rates: from here on most entries of J are zero (measured: a folding box of 16 takes 2/3 of it) */
 
 /* Takes what pivot k has from the rows below; where the largest that is left is, as a place in `a` */
-static int lamc_dense_eliminate(const lamc_loop_parts *p, int k) {
+static inline int lamc_dense_eliminate(const lamc_loop_parts *p, int k) {
   const int n = p->n;
   const lamc_real *pivot = p->a + (ptrdiff_t)k * n;
   const lamc_real inverse = p->inverse[k];
@@ -46,7 +46,7 @@ static int lamc_dense_eliminate(const lamc_loop_parts *p, int k) {
 
 /* In loops that are not tiny: among the rows whose largest is at least a tenth of the largest of all, the one with the fewest entries
  * comes next, so that few rows fill up; where its largest is */
-static int lamc_dense_sparsest(const lamc_loop_parts *p, int k) {
+static inline int lamc_dense_sparsest(const lamc_loop_parts *p, int k) {
   lamc_real most = 0;
   int row = k;
   for (int i = k; i < p->m; i++) most = p->peak[i] > most ? p->peak[i] : most;
@@ -61,7 +61,7 @@ static int lamc_dense_sparsest(const lamc_loop_parts *p, int k) {
 }
 
 /* Of row i from column k on: its largest, and how many entries are not zero */
-static void lamc_dense_look(const lamc_loop_parts *p, int i, int k) {
+static inline void lamc_dense_look(const lamc_loop_parts *p, int i, int k) {
   const lamc_real *ai = p->a + (ptrdiff_t)i * p->n;
   lamc_real most = 0;
   int filled = 0;
@@ -74,7 +74,7 @@ static void lamc_dense_look(const lamc_loop_parts *p, int i, int k) {
 }
 
 /* The same there: rows that do not know the pivot stay as they are */
-static int lamc_dense_eliminate_sparse(const lamc_loop_parts *p, int k) {
+static inline int lamc_dense_eliminate_sparse(const lamc_loop_parts *p, int k) {
   const int n = p->n;
   const lamc_real *pivot = p->a + (ptrdiff_t)k * n;
   const lamc_real inverse = p->inverse[k];
@@ -89,7 +89,7 @@ static int lamc_dense_eliminate_sparse(const lamc_loop_parts *p, int k) {
 }
 
 /* J as it is into `a`; where its largest is */
-static int lamc_dense_copy(const lamc_loop_parts *p) {
+static inline int lamc_dense_copy(const lamc_loop_parts *p) {
   lamc_real most = -1;
   int best = 0;
   const int size = p->m * p->n;
@@ -109,7 +109,7 @@ static int lamc_dense_copy(const lamc_loop_parts *p) {
   return p->n > LARGE ? lamc_dense_sparsest(p, 0) : best;
 }
 
-static lamc_real lamc_dense_pivot(const lamc_loop_parts *p, int k) {
+static inline lamc_real lamc_dense_pivot(const lamc_loop_parts *p, int k) {
   return fabs(p->a[(ptrdiff_t)k * p->n + k]);
 }
 
@@ -117,7 +117,7 @@ static lamc_real lamc_dense_pivot(const lamc_loop_parts *p, int k) {
  * round-off turns the tangent of the branch by round-off / s^2, so it cannot be used all the way. Doing without it leaves
  * the branch to the forces, which turns rates by s or so. Both are least at some 1e-5. With one equation go all that fade
  * with it: the order of small pivots changes from stage to stage, and with it which directions are held. */
-static int lamc_dense_order(const lamc_loop_parts *p, int rank) {
+static inline int lamc_dense_order(const lamc_loop_parts *p, int rank) {
   const int n = p->n;
   int count = 0, best = lamc_dense_copy(p);
   for (; count < rank; count++) {
@@ -144,7 +144,8 @@ static int lamc_dense_order(const lamc_loop_parts *p, int rank) {
 }
 
 /* x (n,) such that the taken equations have the values -goal (m,), with nothing along the free rates */
-static void lamc_dense_impose(const lamc_loop_parts *p, int count, const lamc_real *goal, lamc_real *x) {
+static inline void lamc_dense_impose(const lamc_loop_parts *p, int count, const lamc_real *goal,
+                                     lamc_real *x) {
   const int n = p->n;
   lamc_real *y = p->z;
   memset(x, 0, (size_t)n * sizeof *x);
@@ -160,7 +161,7 @@ static void lamc_dense_impose(const lamc_loop_parts *p, int count, const lamc_re
 }
 
 /* N: the rows of `free` */
-static void lamc_dense_find_free(const lamc_loop_parts *p, int count) {
+static inline void lamc_dense_find_free(const lamc_loop_parts *p, int count) {
   const int n = p->n;
   lamc_real *y = p->z;
   memset(p->free, 0, (size_t)(n - count) * (size_t)n * sizeof *p->free);
@@ -178,7 +179,8 @@ static void lamc_dense_find_free(const lamc_loop_parts *p, int count) {
 }
 
 /* lambda (m,) from z = M udot - f: of the taken equations, zero for the others */
-static void lamc_dense_lambda(const lamc_loop_parts *p, int count, const lamc_real *z, lamc_real *lambda) {
+static inline void lamc_dense_lambda(const lamc_loop_parts *p, int count, const lamc_real *z,
+                                     lamc_real *lambda) {
   const int n = p->n;
   for (int k = 0; k < count; k++) {
     lamc_real rest = z[(int)p->columns[k]];

@@ -15,13 +15,14 @@
 #include "loop_sparse.h"
 
 /* How many equations hold here, at most those of a generic position */
-static int lamc_loop_order(lamc_loop_parts *p) {
+static inline int lamc_loop_order(lamc_loop_parts *p) {
   const int rank = p->motion->model->rank, most = rank < p->n ? rank : p->n;
   return p->is_sparse ? lamc_sparse_order(p, most) : lamc_dense_order(p, most);
 }
 
 /* x (n,) such that the taken equations have the values -goal (m,) */
-static void lamc_loop_impose(const lamc_loop_parts *p, int count, const lamc_real *goal, lamc_real *x) {
+static inline void lamc_loop_impose(const lamc_loop_parts *p, int count, const lamc_real *goal,
+                                    lamc_real *x) {
   if (p->is_sparse) {
     lamc_sparse_impose(p, count, goal, x);
   } else {
@@ -30,7 +31,7 @@ static void lamc_loop_impose(const lamc_loop_parts *p, int count, const lamc_rea
 }
 
 /* M v */
-static void lamc_loop_momenta(const lamc_loop_parts *p, const lamc_real *v, lamc_real *momenta) {
+static inline void lamc_loop_momenta(const lamc_loop_parts *p, const lamc_real *v, lamc_real *momenta) {
   if (!p->has_mass) {
     p->motion->model->momenta(p->motion->constants, p->place, v, momenta);
     return;
@@ -49,8 +50,8 @@ static void lamc_loop_momenta(const lamc_loop_parts *p, const lamc_real *v, lamc
 }
 
 /* z = M a - f, at the position that was prepared */
-static void lamc_loop_unbalanced(const lamc_loop_parts *p, lamc_real t, const lamc_real *u,
-                                 const lamc_real *a, lamc_real *z) {
+static inline void lamc_loop_unbalanced(const lamc_loop_parts *p, lamc_real t, const lamc_real *u,
+                                        const lamc_real *a, lamc_real *z) {
   if (!p->has_mass) {
     p->motion->model->residual(p->motion->constants, t, p->place, u, a, z);
     return;
@@ -60,7 +61,7 @@ static void lamc_loop_unbalanced(const lamc_loop_parts *p, lamc_real t, const la
 }
 
 /* The first `count` free directions times z, which has nothing for hinges that close loops: momenta */
-static void lamc_loop_pair(const lamc_loop_parts *p, int count, const lamc_real *z, lamc_real *sums) {
+static inline void lamc_loop_pair(const lamc_loop_parts *p, int count, const lamc_real *z, lamc_real *sums) {
   const int beyond = p->n - p->beyond;
   lamc_dots(count, p->cut, p->free, p->n, z, sums);
   for (int k = 0; k < count && beyond > 0; k++) {
@@ -69,7 +70,7 @@ static void lamc_loop_pair(const lamc_loop_parts *p, int count, const lamc_real 
 }
 
 /* N and L of N^T M N */
-static void lamc_loop_reduce(const lamc_loop_parts *p, int count) {
+static inline void lamc_loop_reduce(const lamc_loop_parts *p, int count) {
   const int free = p->n - count;
   lamc_real *entries = p->raw;
   if (p->is_sparse) {
@@ -85,7 +86,7 @@ static void lamc_loop_reduce(const lamc_loop_parts *p, int count) {
   lamc_cholesky(free, p->raw, p->l);
 }
 
-static int lamc_loop_same(ptrdiff_t n, const lamc_real *a, const lamc_real *b) {
+static inline int lamc_loop_same(ptrdiff_t n, const lamc_real *a, const lamc_real *b) {
   for (ptrdiff_t i = 0; i < n; i++) {
     if (!(a[i] == b[i])) return 0;
   }
@@ -93,7 +94,7 @@ static int lamc_loop_same(ptrdiff_t n, const lamc_real *a, const lamc_real *b) {
 }
 
 /* 1 if these J and place, to the last digit, were eliminated last. Else they are kept, as those that will be. */
-static int lamc_loop_is_taken(const lamc_loop_parts *p) {
+static inline int lamc_loop_is_taken(const lamc_loop_parts *p) {
   const int rows = p->pattern->row_start[p->m];
   lamc_real *place = p->taken + rows;
   if (p->count >= 0 && lamc_loop_same(rows, p->taken, p->j) && lamc_loop_same(p->nq, place, p->place))
@@ -106,7 +107,7 @@ static int lamc_loop_is_taken(const lamc_loop_parts *p) {
 /* Which equations hold at a state, and what they leave free. Near singular positions states are settled before use, and
  * often were closed already: the same is not eliminated twice. A model that writes M down does so by more than one
  * function, which may differ in the last digit, and its loops are small. */
-static int lamc_loop_take(lamc_loop_parts *p) {
+static inline int lamc_loop_take(lamc_loop_parts *p) {
   if (!p->has_mass && lamc_loop_is_taken(p)) return p->count;
   p->count = lamc_loop_order(p);
   lamc_loop_reduce(p, p->count);
@@ -114,14 +115,15 @@ static int lamc_loop_take(lamc_loop_parts *p) {
 }
 
 /* The part of `force` that moves what is free: the first n - count numbers of `found`, by L^-1 */
-static void lamc_loop_along(const lamc_loop_parts *p, int count, const lamc_real *force, lamc_real *found) {
+static inline void lamc_loop_along(const lamc_loop_parts *p, int count, const lamc_real *force,
+                                   lamc_real *found) {
   const int free = p->n - count;
   lamc_dots(free, p->n, p->free, p->n, force, found);
   lamc_solve_lower(free, p->l, found);
 }
 
 /* x += N L^-T amounts */
-static void lamc_loop_add(const lamc_loop_parts *p, int count, lamc_real *amounts, lamc_real *x) {
+static inline void lamc_loop_add(const lamc_loop_parts *p, int count, lamc_real *amounts, lamc_real *x) {
   const int free = p->n - count;
   lamc_solve_upper(free, p->l, amounts);
   for (int a = 0; a < free; a++) {
@@ -131,8 +133,8 @@ static void lamc_loop_add(const lamc_loop_parts *p, int count, lamc_real *amount
 }
 
 /* x with the equations at -goal, and M x = force but for what the equations push */
-static void lamc_loop_solve(const lamc_loop_parts *p, int count, const lamc_real *goal,
-                            const lamc_real *force, lamc_real *x) {
+static inline void lamc_loop_solve(const lamc_loop_parts *p, int count, const lamc_real *goal,
+                                   const lamc_real *force, lamc_real *x) {
   lamc_loop_impose(p, count, goal, x);
   lamc_loop_momenta(p, x, p->z);
   for (int i = 0; i < p->n; i++) p->z[i] = (force != NULL ? force[i] : 0) - p->z[i];
@@ -141,8 +143,8 @@ static void lamc_loop_solve(const lamc_loop_parts *p, int count, const lamc_real
 }
 
 /* udot with the equations at -extra, and M udot = f but for what they push */
-static void lamc_loop_accelerate(const lamc_loop_parts *p, int count, lamc_real t, const lamc_real *u,
-                                 lamc_real *udot) {
+static inline void lamc_loop_accelerate(const lamc_loop_parts *p, int count, lamc_real t, const lamc_real *u,
+                                        lamc_real *udot) {
   lamc_loop_impose(p, count, p->extra, udot);
   lamc_loop_unbalanced(p, t, u, udot, p->z);
   for (int i = 0; i < p->n; i++) p->z[i] = -p->z[i];
@@ -151,14 +153,14 @@ static void lamc_loop_accelerate(const lamc_loop_parts *p, int count, lamc_real 
 }
 
 /* The last pivot of the first; 0 where an equation was let go, 1 where there is none */
-static lamc_real lamc_loop_last_pivot(const lamc_loop_parts *p, int count) {
+static inline lamc_real lamc_loop_last_pivot(const lamc_loop_parts *p, int count) {
   if (count < p->motion->model->rank) return 0;
   if (p->is_sparse) return lamc_sparse_least(p, count);
   return count > 0 ? lamc_dense_pivot(p, count - 1) / lamc_dense_pivot(p, 0) : 1;
 }
 
 /* 1 if one of the equations that were taken has less than `least` of its say: by its pivot, or by the length of its row */
-static int lamc_loop_is_faint(const lamc_loop_parts *p, int count, lamc_real least) {
+static inline int lamc_loop_is_faint(const lamc_loop_parts *p, int count, lamc_real least) {
   if (lamc_loop_last_pivot(p, count) < least) return 1;
   for (int k = 0; k < count; k++) {
     const int i = p->is_sparse ? lamc_at(p->steps.row, k) : (int)p->rows[k];
@@ -168,8 +170,8 @@ static int lamc_loop_is_faint(const lamc_loop_parts *p, int count, lamc_real lea
 }
 
 /* lambda (m,) of M udot = f + J^T lambda, by the model's equations: of the taken ones, zero for the others */
-static void lamc_loop_lambda(const lamc_loop_parts *p, int count, lamc_real t, const lamc_real *u,
-                             const lamc_real *udot, lamc_real *lambda) {
+static inline void lamc_loop_lambda(const lamc_loop_parts *p, int count, lamc_real t, const lamc_real *u,
+                                    const lamc_real *udot, lamc_real *lambda) {
   memset(lambda, 0, (size_t)p->m * sizeof *lambda);
   lamc_loop_unbalanced(p, t, u, udot, p->z);
   if (p->is_sparse) {

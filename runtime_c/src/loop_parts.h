@@ -89,7 +89,7 @@ static inline lamc_real lamc_loop_row(const lamc_loop_parts *p, int i, const lam
 
 /* The largest angle that row i of J knows, rad: what fades as these angles do keeps its digits, and what fades elsewhere,
  * such as in a linkage that has turned into a line, does not */
-static lamc_real lamc_loop_reach(const lamc_loop_parts *p, int i, const lamc_real *q) {
+static inline lamc_real lamc_loop_reach(const lamc_loop_parts *p, int i, const lamc_real *q) {
   lamc_real largest = 0;
   for (int e = p->pattern->row_start[i]; e < p->pattern->row_start[i + 1]; e++) {
     const lamc_real angle = fabs(q[p->pattern->column[e]]);
@@ -99,13 +99,13 @@ static lamc_real lamc_loop_reach(const lamc_loop_parts *p, int i, const lamc_rea
 }
 
 /* 1 if row i of J is shorter than `tolerance`, by angles of one rad or more, or as much shorter than smaller ones */
-static int lamc_loop_fades(const lamc_loop_parts *p, int i, lamc_real tolerance) {
+static inline int lamc_loop_fades(const lamc_loop_parts *p, int i, lamc_real tolerance) {
   const lamc_real reach = p->reach[i] < 1 ? p->reach[i] : 1;
   return p->norms[i] > 0 && p->norms[i] < tolerance * reach;
 }
 
 /* The rows that are not plain, by what `norms` says; those that are to be let go stay as long as they are */
-static void lamc_loop_divide(const lamc_loop_parts *p, lamc_real least) {
+static inline void lamc_loop_divide(const lamc_loop_parts *p, lamc_real least) {
   int fades = 0;
   for (int i = 0; i < p->m; i++) fades |= lamc_loop_fades(p, i, PASSING);
   for (int i = 0; i < p->m; i++) {
@@ -118,7 +118,7 @@ static void lamc_loop_divide(const lamc_loop_parts *p, lamc_real least) {
 }
 
 /* The gap that loops may keep, in sizes: see `constant_count`. */
-static lamc_real lamc_loop_gap(const lamc_motion *motion) {
+static inline lamc_real lamc_loop_gap(const lamc_motion *motion) {
   const lamc_real *last = motion->constants + motion->model->constant_count - 2;
   return last[1] / last[0];
 }
@@ -127,7 +127,7 @@ static lamc_real lamc_loop_gap(const lamc_motion *motion) {
  * fades in a flat position, with all its digits, is as good as any. What is left of a misfit is not made large,
  * nor is what fades without its digits, to be let go; and what round-off leaves is no equation: right on a singular position
  * its row would point anywhere. */
-static void lamc_loop_normalise(const lamc_loop_parts *p, const lamc_real *q) {
+static inline void lamc_loop_normalise(const lamc_loop_parts *p, const lamc_real *q) {
   const lamc_real misfit = OF_MISFIT * lamc_loop_gap(p->motion);
   const lamc_real least = misfit > NO_EQUATION ? misfit : NO_EQUATION;
   int fades = 0, odd = 0;

@@ -19,7 +19,7 @@ static const lamc_real PLANNED =
     LAMC_R(0.02); /* the same of its largest and of one, where the plan is kept to */
 
 /* What is left of `row` by a step, and the largest of it */
-static lamc_real lamc_sparse_collect(const lamc_loop_parts *p, int first, int beyond) {
+static inline lamc_real lamc_sparse_collect(const lamc_loop_parts *p, int first, int beyond) {
   const lamc_steps *s = &p->steps;
   lamc_real most = 0;
   for (int e = first; e < beyond; e++) {
@@ -32,14 +32,14 @@ static lamc_real lamc_sparse_collect(const lamc_loop_parts *p, int first, int be
   return most;
 }
 
-static void lamc_sparse_scatter(const lamc_loop_parts *p, int row) {
+static inline void lamc_sparse_scatter(const lamc_loop_parts *p, int row) {
   for (int e = p->pattern->row_start[row]; e < p->pattern->row_start[row + 1]; e++) {
     p->row[p->pattern->column[e]] = p->j[e];
   }
 }
 
 /* Takes from `row` what it has of the rate that step `k` eliminated; the multiple of that step */
-static lamc_real lamc_sparse_update(const lamc_loop_parts *p, int k) {
+static inline lamc_real lamc_sparse_update(const lamc_loop_parts *p, int k) {
   const lamc_steps *s = &p->steps;
   const int first = lamc_at(s->left_start, k), beyond = lamc_at(s->left_start, k + 1);
   const int rate = lamc_at(s->left, first);
@@ -51,12 +51,12 @@ static lamc_real lamc_sparse_update(const lamc_loop_parts *p, int k) {
 
 /* 1 if what a row has left may be round-off: where pivots in a chain are small, each takes that of the one before so many
  * times, and a row that depends on others has something left in the end */
-static int lamc_sparse_is_noise(lamc_real peak, lamc_real noise) {
+static inline int lamc_sparse_is_noise(lamc_real peak, lamc_real noise) {
   return !(noise * LAMC_EPSILON < NOISE * peak);
 }
 
 /* By the plan; how many equations were taken, or -1 where it does not hold */
-static int lamc_sparse_follow(const lamc_loop_parts *p) {
+static inline int lamc_sparse_follow(const lamc_loop_parts *p) {
   const lamc_pattern *plan = p->pattern;
   const lamc_steps *s = &p->steps;
   for (int k = 0; k < plan->step_count; k++) {
@@ -77,7 +77,7 @@ static int lamc_sparse_follow(const lamc_loop_parts *p) {
 }
 
 /* A rate that is new to the row */
-static int lamc_sparse_touch(const lamc_loop_parts *p, int known, int rate) {
+static inline int lamc_sparse_touch(const lamc_loop_parts *p, int known, int rate) {
   if (p->is_touched[rate] != 0) return known;
   p->is_touched[rate] = 1;
   p->touched[known] = (lamc_real)rate;
@@ -85,7 +85,7 @@ static int lamc_sparse_touch(const lamc_loop_parts *p, int known, int rate) {
 }
 
 /* Where among the touched the rate is that the earliest step eliminated; -1: none is left that any did */
-static int lamc_sparse_earliest(const lamc_loop_parts *p, int known) {
+static inline int lamc_sparse_earliest(const lamc_loop_parts *p, int known) {
   int best = -1;
   for (int k = 0; k < known; k++) {
     const lamc_real step = p->step_of[(int)p->touched[k]];
@@ -96,7 +96,7 @@ static int lamc_sparse_earliest(const lamc_loop_parts *p, int known) {
 
 /* Row `row` of J freed of what `count` steps eliminated, its updates written behind theirs; how many rates are left in
  * it, among the touched */
-static int lamc_sparse_free(const lamc_loop_parts *p, int row, int count) {
+static inline int lamc_sparse_free(const lamc_loop_parts *p, int row, int count) {
   const lamc_steps *s = &p->steps;
   int known = 0, update = (int)s->update_start.found[count];
   for (int e = p->pattern->row_start[row]; e < p->pattern->row_start[row + 1]; e++) {
@@ -119,7 +119,7 @@ static int lamc_sparse_free(const lamc_loop_parts *p, int row, int count) {
 }
 
 /* The largest of what is left */
-static lamc_real lamc_sparse_peak(const lamc_loop_parts *p, int known) {
+static inline lamc_real lamc_sparse_peak(const lamc_loop_parts *p, int known) {
   lamc_real most = 0;
   for (int k = 0; k < known; k++) {
     const lamc_real value = fabs(p->row[(int)p->touched[k]]);
@@ -128,12 +128,12 @@ static lamc_real lamc_sparse_peak(const lamc_loop_parts *p, int known) {
   return most;
 }
 
-static void lamc_sparse_forget(const lamc_loop_parts *p, int known) {
+static inline void lamc_sparse_forget(const lamc_loop_parts *p, int known) {
   for (int k = 0; k < known; k++) p->row[(int)p->touched[k]] = 0;
 }
 
 /* The row that was freed becomes step `count` */
-static void lamc_sparse_take(const lamc_loop_parts *p, int row, int count, int known) {
+static inline void lamc_sparse_take(const lamc_loop_parts *p, int row, int count, int known) {
   const lamc_steps *s = &p->steps;
   const int first = (int)s->left_start.found[count];
   int best = (int)p->touched[0], beyond = first + 1;
@@ -161,7 +161,7 @@ typedef struct lamc_search {
 } lamc_search;
 
 /* One look at the rows that wait: those with `least` left become steps, up to `rank` */
-static void lamc_sparse_round(const lamc_loop_parts *p, int rank, lamc_real least, lamc_search *now) {
+static inline void lamc_sparse_round(const lamc_loop_parts *p, int rank, lamc_real least, lamc_search *now) {
   const int waiting = now->waiting;
   now->waiting = 0;
   now->most = 0;
@@ -180,13 +180,13 @@ static void lamc_sparse_round(const lamc_loop_parts *p, int rank, lamc_real leas
 }
 
 /* All rows wait: those of the plan first, as it takes them, then the others */
-static void lamc_sparse_line_up(const lamc_loop_parts *p) {
+static inline void lamc_sparse_line_up(const lamc_loop_parts *p) {
   const lamc_pattern *plan = p->pattern;
   for (int i = 0; i < p->m; i++) p->waiting[i] = (lamc_real)plan->step_row[i];
 }
 
 /* From nothing; how many equations were taken. What fades is let go as in lamc_dense_order. */
-static int lamc_sparse_find(const lamc_loop_parts *p, int rank) {
+static inline int lamc_sparse_find(const lamc_loop_parts *p, int rank) {
   const lamc_steps *s = &p->steps;
   lamc_search now = {0, p->m, 0};
   lamc_sparse_line_up(p);
@@ -205,7 +205,7 @@ static int lamc_sparse_find(const lamc_loop_parts *p, int rank) {
 }
 
 /* The steps of the plan; its numbers lie where those of other steps do */
-static lamc_steps lamc_sparse_planned(const lamc_loop_parts *p) {
+static inline lamc_steps lamc_sparse_planned(const lamc_loop_parts *p) {
   lamc_steps s = p->found;
   s.row.given = p->pattern->step_row;
   s.update_start.given = p->pattern->update_start;
@@ -216,7 +216,7 @@ static lamc_steps lamc_sparse_planned(const lamc_loop_parts *p) {
 }
 
 /* How many equations hold here, at most `rank` */
-static int lamc_sparse_order(lamc_loop_parts *p, int rank) {
+static inline int lamc_sparse_order(lamc_loop_parts *p, int rank) {
   int count = -1;
   memset(p->row, 0, (size_t)p->n * sizeof *p->row);
   if (p->pattern->step_count == rank) {
@@ -236,14 +236,14 @@ static int lamc_sparse_order(lamc_loop_parts *p, int rank) {
 }
 
 /* The least that any step had left: how near the equations are to be dependent */
-static lamc_real lamc_sparse_least(const lamc_loop_parts *p, int count) {
+static inline lamc_real lamc_sparse_least(const lamc_loop_parts *p, int count) {
   lamc_real least = 1;
   for (int k = 0; k < count; k++) least = p->steps.peak[k] < least ? p->steps.peak[k] : least;
   return least;
 }
 
 /* x, whose free rates are given, such that the taken equations have the values y (count,), by step */
-static void lamc_sparse_back(const lamc_loop_parts *p, int count, const lamc_real *y, lamc_real *x) {
+static inline void lamc_sparse_back(const lamc_loop_parts *p, int count, const lamc_real *y, lamc_real *x) {
   const lamc_steps *s = &p->steps;
   for (int k = count - 1; k >= 0; k--) {
     const int first = lamc_at(s->left_start, k), beyond = lamc_at(s->left_start, k + 1);
@@ -254,7 +254,8 @@ static void lamc_sparse_back(const lamc_loop_parts *p, int count, const lamc_rea
 }
 
 /* x (n,) such that the taken equations have the values -goal (m,), with nothing along the free rates */
-static void lamc_sparse_impose(const lamc_loop_parts *p, int count, const lamc_real *goal, lamc_real *x) {
+static inline void lamc_sparse_impose(const lamc_loop_parts *p, int count, const lamc_real *goal,
+                                      lamc_real *x) {
   const lamc_steps *s = &p->steps;
   lamc_real *y = p->z;
   memset(x, 0, (size_t)p->n * sizeof *x);
@@ -268,7 +269,7 @@ static void lamc_sparse_impose(const lamc_loop_parts *p, int count, const lamc_r
 }
 
 /* N, of all directions at once: the rows of `free`; by rates first, where L will lie */
-static void lamc_sparse_find_free(const lamc_loop_parts *p, int count) {
+static inline void lamc_sparse_find_free(const lamc_loop_parts *p, int count) {
   const lamc_steps *s = &p->steps;
   const int free = p->n - count;
   lamc_real *by_rate = p->l;
@@ -290,7 +291,7 @@ static void lamc_sparse_find_free(const lamc_loop_parts *p, int count) {
 }
 
 /* lambda (m,) from z = M udot - f (n,), which is used up: of the taken equations, zero for the others */
-static void lamc_sparse_lambda(const lamc_loop_parts *p, int count, lamc_real *z, lamc_real *lambda) {
+static inline void lamc_sparse_lambda(const lamc_loop_parts *p, int count, lamc_real *z, lamc_real *lambda) {
   const lamc_steps *s = &p->steps;
   lamc_real *x = p->x;
   for (int k = 0; k < count; k++) {

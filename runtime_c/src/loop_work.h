@@ -9,32 +9,32 @@
 #include "loop_sparse.h"
 
 /* J and a vector beside it */
-static long long lamc_loop_closure_size(const lamc_model *model) {
+static inline long long lamc_loop_closure_size(const lamc_model *model) {
   return model->closure_count + model->pattern->row_start[model->closure_count];
 }
 
 /* What is written before it is read elsewhere: the closure, or the lower triangle of N^T M N */
-static long long lamc_loop_raw_size(const lamc_model *model) {
+static inline long long lamc_loop_raw_size(const lamc_model *model) {
   const long long reduced = (long long)model->rate_count * (model->rate_count + 1) / 2;
   const long long closure = lamc_loop_closure_size(model);
   return closure > reduced ? closure : reduced;
 }
 
 /* J and its place as they were eliminated last: where M is not written down */
-static long long lamc_loop_taken_size(const lamc_model *model) {
+static inline long long lamc_loop_taken_size(const lamc_model *model) {
   if (model->residual == NULL) return 0;
   return model->pattern->row_start[model->closure_count] + model->coordinate_count;
 }
 
 /* Numbers of the elimination */
-static long long lamc_loop_elimination_size(const lamc_model *model) {
+static inline long long lamc_loop_elimination_size(const lamc_model *model) {
   const long long n = model->rate_count, m = model->closure_count;
   if (model->pattern->step_count == 0) return 3 * m + 2 * n + m * n;
   const long long triangle = n * (n + 1) / 2;
   return n + 2 * (n + 1) + 2 * (triangle + n) + 2 * triangle + 3 * n + 4 * n + m;
 }
 
-static long long lamc_loop_work_size(const lamc_model *model) {
+static inline long long lamc_loop_work_size(const lamc_model *model) {
   const long long n = model->rate_count, nq = model->coordinate_count;
   const long long m = model->closure_count;
   const long long system = model->residual == NULL ? n * (n + 1) / 2 + n : 0;
@@ -45,13 +45,13 @@ static long long lamc_loop_work_size(const lamc_model *model) {
 }
 
 /* The next `count` numbers */
-static lamc_real *lamc_loop_part(lamc_real **next, size_t count) {
+static inline lamc_real *lamc_loop_part(lamc_real **next, size_t count) {
   lamc_real *here = *next;
   *next += count;
   return here;
 }
 
-static void lamc_loop_place_elimination(lamc_loop_parts *p, lamc_real **next) {
+static inline void lamc_loop_place_elimination(lamc_loop_parts *p, lamc_real **next) {
   const size_t n = (size_t)p->n, m = (size_t)p->m, triangle = n * (n + 1) / 2;
   if (!p->is_sparse) {
     p->a = lamc_loop_part(next, m * n);
@@ -82,7 +82,7 @@ static void lamc_loop_place_elimination(lamc_loop_parts *p, lamc_real **next) {
 
 /* Filled in place: a record of fifty pointers that is cleared and returned costs a tenth of a small loop. Of the parts that
  * eliminate, only those of the loop's own kind are set. */
-static void lamc_loop_parts_of(const lamc_motion *motion, lamc_loop_parts *p) {
+static inline void lamc_loop_parts_of(const lamc_motion *motion, lamc_loop_parts *p) {
   const lamc_model *model = motion->model;
   p->motion = motion;
   p->pattern = model->pattern;

@@ -7,6 +7,7 @@
 #include "loop_equations.h"
 #include "loop_work.h"
 #include "motion.h"
+#include "series.h"
 #include "tolerances.h"
 
 #include <math.h>
@@ -125,7 +126,10 @@ static lamc_status settle(const lamc_motion *motion, lamc_loop_parts *p, lamc_re
   lamc_real *q = y;
   lamc_real *u = y + p->nq;
   lamc_real open = evaluate_closure(motion, p, q);
-  if (p->has_mass) model->system(motion->constants, t, q, u, p->mass); /* and f */
+  if (p->has_mass) {
+    lamc_series_put(motion, t);
+    model->system(motion->constants, t, q, u, p->mass); /* and f */
+  }
   int count = lamc_loop_take(p);
   lamc_real gap = openness(p, count);
   for (int round = 0; round < MAX_ITERATIONS; round++) {

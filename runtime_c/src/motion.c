@@ -7,6 +7,7 @@
 #include "linearise.h"
 #include "loops.h"
 #include "powers.h"
+#include "series.h"
 #include "system.h"
 
 #include <stddef.h>
@@ -14,6 +15,7 @@
 
 void lamc_motion_accelerate(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
                             lamc_real *udot) {
+  lamc_series_put(motion, t);
   if (motion->model->acceleration != NULL) {
     motion->model->acceleration(motion->constants, t, q, u, udot);
   } else if (lamc_is_system(motion->model)) {
@@ -59,7 +61,8 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   ode.n = model->coordinate_count + model->rate_count;
   ode.coordinate_count = model->coordinate_count;
   ode.is_rough = model->table_count > 0;
-  ode.rhs = model->rates == NULL && model->acceleration != NULL ? plain_rhs : motion_rhs;
+  const int is_plain = model->rates == NULL && model->acceleration != NULL && model->series_count == 0;
+  ode.rhs = is_plain ? plain_rhs : motion_rhs;
   ode.context = motion;
   if (model->cut_count > 0 && motion->baumgarte == 0) {
     ode.settle = motion_settle;
@@ -76,18 +79,26 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
   ode.guard_count = model->guard_count;
   ode.guards = lamc_guards_values;
   ode.sense = lamc_guards_sense;
+  ode.review = lamc_guards_review;
   ode.event = lamc_guards_event;
   if (model->power != NULL) {
     ode.integral_count = model->power_count + 1;
     ode.integrands = lamc_powers_integrands;
     ode.jump = lamc_powers_jump;
   }
+  const lamc_recording *recording = lamc_series_recording(motion);
+  if (model->series_count > 0 && recording != NULL) {
+    ode.breaks = recording->breaks;
+    ode.break_count = recording->break_count;
+    ode.pass = lamc_series_pass;
+  }
   if (model->cut_count > 0 && motion->work != NULL) lamc_loops_begin(motion); /* NULL: for sizes only */
   return ode;
 }
 
 long long lamc_motion_work_size(const lamc_model *model) {
-  return lamc_loops_work(model) + lamc_system_work(model) + lamc_guards_work(model) + lamc_powers_work(model);
+  return lamc_loops_work(model) + lamc_system_work(model) + lamc_guards_work(model) +
+         lamc_powers_work(model) + lamc_series_work(model);
 }
 
 lamc_real *lamc_motion_guard_work(const lamc_motion *motion) {
@@ -96,6 +107,10 @@ lamc_real *lamc_motion_guard_work(const lamc_motion *motion) {
 
 lamc_real *lamc_motion_power_work(const lamc_motion *motion) {
   return lamc_motion_guard_work(motion) + lamc_guards_work(motion->model);
+}
+
+lamc_real *lamc_motion_series_work(const lamc_motion *motion) {
+  return lamc_motion_power_work(motion) + lamc_powers_work(motion->model);
 }
 
 /* Before something is evaluated at a state outside a run: the modes of the guards there */
@@ -132,6 +147,7 @@ lamc_status lamc_motion_energies(const lamc_motion *motion, long long count, con
   for (long long row = 0; row < count; row++) {
     const lamc_real *q = y + state_size(model) * row;
     sense(motion, t[row], q);
+    lamc_series_put(motion, t[row]);
     model->energy(motion->constants, t[row], q, q + model->coordinate_count,
                   energies + model->energy_count * row);
   }
@@ -168,6 +184,7 @@ lamc_status lamc_motion_poses(const lamc_motion *motion, long long count, const 
   if (!is_usable(motion, count, y, poses) || t == NULL) return LAMC_BAD_ARGUMENT;
   const lamc_model *model = motion->model;
   for (long long row = 0; row < count; row++) {
+    lamc_series_put(motion, t[row]);
     model->poses(motion->constants, t[row], y + state_size(model) * row,
                  poses + 12 * model->body_count * row);
   }

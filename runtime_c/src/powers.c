@@ -5,6 +5,7 @@
 
 #include "loops.h"
 #include "motion.h"
+#include "series.h"
 
 #include <stddef.h>
 #include <string.h>
@@ -35,6 +36,7 @@ void lamc_powers_jump(const void *context, lamc_real t, const lamc_real *before,
   const lamc_model *model = motion->model;
   const int nq = model->coordinate_count;
   lamc_real *old = lamc_motion_power_work(motion) + model->rate_count, *now = old + model->energy_count;
+  lamc_series_put(motion, t);
   model->energy(motion->constants, t, before, before + nq, old);
   model->energy(motion->constants, t, after, after + nq, now);
   for (int e = 0; e < model->energy_count; e++) integrals[model->power_count] += now[e] - old[e];

@@ -99,10 +99,16 @@ static void reject(lamc_run *run, lamc_real h, lamc_real factor, lamc_real least
   run->rejected++;
 }
 
+/* Where the step under way ends at most */
+static lamc_real stop_of(const lamc_run *run) {
+  if (run->next_break >= run->ode.break_count) return run->t_end;
+  return smaller(run->ode.breaks[run->next_break], run->t_end);
+}
+
 lamc_status lamc_run_land(lamc_run *run, lamc_real h, int is_last, lamc_real squared, int *wants_slope) {
   run->was_finite = is_finite(squared);
   if (!run->was_finite || squared > 1.0) return LAMC_PAUSED;
-  move_on(run, is_last ? run->t_end : run->t + h, h);
+  move_on(run, is_last ? stop_of(run) : run->t + h, h);
   lamc_real moved = 0.0;
   lamc_status settled = LAMC_OK;
   if (run->ode.settle != NULL) settled = run->ode.settle(run->ode.context, run->t, y_here(run), &moved);
@@ -150,14 +156,53 @@ static void accept(lamc_run *run, const method *m, lamc_real h, lamc_real log_er
 
 lamc_status lamc_run_next(lamc_run *run, lamc_real *h, int *is_last) {
   lamc_watch_switch(run);
-  const lamc_real rest = run->t_end - run->t;
+  const lamc_real stop = stop_of(run), rest = stop - run->t;
   *is_last = 1.01 * run->h >= rest;                  /* stretched a little, so that no sliver remains */
   *h = *is_last ? rest : (run->t + run->h) - run->t; /* what t really moves by */
+  run->h_free = *is_last && stop < run->t_end ? run->h : 0.0;
   if (!*is_last && *h <= 16.0 * LAMC_EPSILON * fabs(run->t) + LAMC_LEAST) {
     if (!run->was_closed) return LAMC_CLOSURE_LOST;
     return run->was_finite ? LAMC_STEP_UNDERFLOW : LAMC_NOT_FINITE;
   }
   return run->steps >= run->options.max_steps ? LAMC_STEP_LIMIT : LAMC_OK;
+}
+
+static int is_at_break(const lamc_run *run) {
+  return run->next_break < run->ode.break_count && run->t >= run->ode.breaks[run->next_break];
+}
+
+/* The first break behind the time where the run stands comes next. */
+static void find_break(lamc_run *run) {
+  const lamc_ode *ode = &run->ode;
+  long long low = 0, high = ode->break_count;
+  while (low < high) {
+    const long long middle = low + (high - low) / 2;
+    if (ode->breaks[middle] > run->t) {
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
+  }
+  run->next_break = low;
+  if (ode->pass != NULL) ode->pass(ode->context, low);
+}
+
+/* After a step that ended at a break: the next one sees what follows. What is still asked for within the step must not, so
+ * its continuous extension is made now. Steps go on as long as they were before the break cut one short. */
+static lamc_status pass_break(lamc_run *run) {
+  if (run->dense == LAMC_DENSE_POSSIBLE) {
+    const long long before = run->evaluations;
+    METHODS[run->method]->make_dense(run);
+    run->dense = LAMC_DENSE_READY;
+    run->watch.mark_cost += (lamc_real)(run->evaluations - before); /* it must not sway LAMC_AUTO */
+  }
+  find_break(run);
+  run->has_jacobian = run->has_polynomial = 0;
+  run->log_error_old = LOG_LEAST_ERROR;
+  run->h = smaller(larger(run->h, run->h_free), run->options.max_step);
+  evaluate(run, run->t, y_here(run), slope_here(run));
+  if (!all_finite(run, slope_here(run))) return LAMC_NOT_FINITE;
+  return lamc_events_at_break(run);
 }
 
 lamc_status lamc_run_conclude(lamc_run *run, lamc_status taken, lamc_real h, lamc_real squared) {
@@ -176,7 +221,7 @@ lamc_status lamc_run_conclude(lamc_run *run, lamc_status taken, lamc_real h, lam
   lamc_status status = run->ode.judge == NULL ? LAMC_OK : run->ode.judge(run->ode.context);
   if (status == LAMC_OK) status = lamc_events_after_step(run);
   if (status == LAMC_OK && run->watch.is_auto) lamc_watch_step(run);
-  return status;
+  return status == LAMC_OK && is_at_break(run) ? pass_break(run) : status;
 }
 
 /* Tries one step. LAMC_OK if it was accepted, LAMC_PAUSED if it was not and a shorter one should be tried. */
@@ -317,6 +362,7 @@ lamc_status lamc_run_start(lamc_run *run, const lamc_ode *ode, lamc_method which
 
   run->status = LAMC_NOT_FINITE;
   if (!all_finite(run, y0)) return run->status;
+  find_break(run);
   lamc_real *ends = work + size - lamc_integrals_size(ode);
   lamc_integrals_start(run, ends);
   lamc_events_start(run, ends - lamc_events_size(ode));
@@ -371,6 +417,8 @@ lamc_status lamc_run_put(lamc_run *run, lamc_real t, const lamc_real *y) {
   run->row_due = run->t_eval == NULL;
   run->watch.mark_t = smaller(run->watch.mark_t, t); /* a trial under way fails */
   memcpy(y_here(run), y, (size_t)run->ode.n * sizeof *y);
+  find_break(run);
+  if (run->ode.guard_count > 0 && run->ode.review != NULL) run->ode.review(run->ode.context, t, y_here(run));
   if (run->ode.guard_count > 0) run->ode.guards(run->ode.context, t, y_here(run), run->guards);
   evaluate(run, t, y_here(run), slope_here(run));
   run->status = all_finite(run, y) && all_finite(run, slope_here(run)) ? LAMC_PAUSED : LAMC_NOT_FINITE;

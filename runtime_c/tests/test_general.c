@@ -20,7 +20,7 @@ static lamc_status drive(const lamc_model *model, const double *parameters, lamc
                          const double *y0, double t_end, double *y, double *integrals, lamc_run *run) {
   static double work[WORK], motion_work[MOTION_WORK], constants[6];
   model->setup(parameters, constants);
-  const lamc_motion motion = {model, constants, motion_work, 0.0};
+  const lamc_motion motion = {model, constants, motion_work, 0.0, NULL};
   const lamc_ode ode = lamc_motion_ode(&motion);
   if (lamc_motion_work_size(model) > MOTION_WORK || lamc_run_work_size(&ode, method) > WORK) abort();
   const lamc_options options = tolerance(rtol);
@@ -71,7 +71,7 @@ static void both_jacobians_agree(check_counts *counts) {
   for (int analytic = 0; analytic < 2; analytic++) {
     const lamc_model model = free_body(analytic, 0);
     model.setup(p, constants);
-    const lamc_motion motion = {&model, constants, motion_work, 0.0};
+    const lamc_motion motion = {&model, constants, motion_work, 0.0, NULL};
     const lamc_ode ode = lamc_motion_ode(&motion);
     CHECK(counts, ode.jacobian == NULL && ode.full_jacobian != NULL && ode.scratch_size <= 1000);
     ode.full_jacobian(ode.context, 0.0, y, full[analytic], late[analytic], scratch);

@@ -66,7 +66,7 @@ static void rows_are_evaluated_one_by_one(check_counts *counts) {
   double constants[4], udot[ROWS], energies[2 * ROWS], pose_rows[12 * ROWS];
   const double t[ROWS] = {0.0, 0.1, 0.2}, y[2 * ROWS] = {0.0, 1.0, 0.5, -1.0, -2.0, 0.25};
   PENDULUM.setup(PENDULUM.parameter_defaults, constants);
-  const lamc_motion motion = {&PENDULUM, constants, NULL, 0.0};
+  const lamc_motion motion = {&PENDULUM, constants, NULL, 0.0, NULL};
   CHECK(counts, lamc_motion_accelerations(&motion, ROWS, t, y, udot) == LAMC_OK);
   CHECK(counts, lamc_motion_energies(&motion, ROWS, t, y, energies) == LAMC_OK);
   CHECK(counts, lamc_motion_poses(&motion, ROWS, t, y, pose_rows) == LAMC_OK);
@@ -84,7 +84,7 @@ static void a_pendulum_swings_with_its_period(check_counts *counts) {
   /* period 4 sqrt(L/g) K(sin(q0/2)); K by the arithmetic-geometric mean, which converges quadratically */
   double constants[4], work[WORK], t, y[2];
   PENDULUM.setup(PENDULUM.parameter_defaults, constants);
-  const lamc_motion motion = {&PENDULUM, constants, NULL, 0.0};
+  const lamc_motion motion = {&PENDULUM, constants, NULL, 0.0, NULL};
   const lamc_ode ode = lamc_motion_ode(&motion);
   const double y0[2] = {2.0, 0.0};
   double a = 1.0, b = cos(1.0);
@@ -107,8 +107,9 @@ static void a_pendulum_swings_with_its_period(check_counts *counts) {
 static void missing_rows_are_refused(check_counts *counts) {
   double constants[4] = {0.0, 0.0, 0.0, 0.0}, out[24];
   const double t[1] = {0.0}, y[2] = {0.0, 0.0};
-  const lamc_motion motion = {&PENDULUM, constants, NULL, 0.0}, no_constants = {&PENDULUM, NULL, NULL, 0.0},
-                    no_model = {NULL, constants, NULL, 0.0};
+  const lamc_motion motion = {&PENDULUM, constants, NULL, 0.0, NULL},
+                    no_constants = {&PENDULUM, NULL, NULL, 0.0, NULL},
+                    no_model = {NULL, constants, NULL, 0.0, NULL};
   CHECK(counts, lamc_motion_accelerations(&motion, 1, NULL, y, out) == LAMC_BAD_ARGUMENT);
   CHECK(counts, lamc_motion_accelerations(NULL, 1, t, y, out) == LAMC_BAD_ARGUMENT);
   CHECK(counts, lamc_motion_energies(&no_constants, 1, t, y, out) == LAMC_BAD_ARGUMENT);

@@ -59,7 +59,9 @@ def test_options_go_over_the_file() -> None:
     found = call("work/study.yaml", *words)
     assert found.exit_code == 0, found.output
     head, *lines = Path("a/table.csv").read_text(encoding="utf-8").splitlines()
-    assert head == "point,h1.stiffness (N·m/rad),angles.h1 (rad),end (rad),fast (rad/s),status,reason"
+    assert (
+        head == "point,h1.stiffness (N·m/rad),angles.h1 (rad),end (rad),fast (rad/s),structure,status,reason"
+    )
     assert len(lines) == 2
     assert '"t_end": 0.2' in Path("a/study.json").read_text(encoding="utf-8")
 

@@ -54,7 +54,7 @@ def test_each_plan_has_its_table_and_its_picture(vary: tuple[str, ...]) -> None:
     lines = Path("out/table.csv").read_text(encoding="utf-8").splitlines()
     assert len(lines) == 1 + told["points"]
     assert lines[0].startswith("point,h1.stiffness (N·m/rad),")
-    assert lines[0].endswith("end (rad),time_of(h1 > 1 deg) (s),status,reason")
+    assert lines[0].endswith("end (rad),time_of(h1 > 1 deg) (s),structure,status,reason")
     assert (Path("out") / "study.png").stat().st_size > 0
 
 

@@ -181,6 +181,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
     assert bare == {
         "base_motion": (False, "the fixed bodies stay where they are"),
         "blade_element_drag": (False, "no air is called for"),
+        "cable": (False, "no cable is called for"),
         "external_torque": (False, "no torque comes from outside"),
         "flexible_links": (False, "bodies are rigid"),
         "free_base": (False, "the fixed bodies stay where they are"),
@@ -193,6 +194,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
         "nonlinear_stiffness": (False, "no law of a hinge's torque is given"),
         "piezo_bender": (False, "no bender is called for"),
         "rest_angle": (False, "every hinge rests as drawn"),
+        "servo": (False, "no servo is called for"),
         "spring": (False, "no spring is called for"),
         "torque": (False, "no torque is called for"),
         "twist_compliance": (False, "hinges turn about their axes only"),

@@ -77,6 +77,7 @@ def test_what_is_told_comes_back(design: lamc.Design) -> None:
     assert not fit.notes
 
 
+@pytest.mark.slow  # of the kind: tests/physics/test_fit_coverage.py
 def test_errors_are_those_of_repeated_fits(design: lamc.Design) -> None:
     """Standard errors against the scatter of 30 fits."""
     fits = [lamc.fit(design, lamc.Recording(T, angles(design, seed=k)), list(TRUE)) for k in range(30)]
@@ -251,3 +252,39 @@ def test_residuals_that_are_no_noise_are_told(design: lamc.Design) -> None:
     wave = {name: column + 0.03 * np.sin(8.0 * T) for name, column in values.items()}
     fit = lamc.fit(design, lamc.Recording(T, wave), list(TRUE))
     assert any("alike from row to row" in note for note in fit.notes)
+
+
+def test_each_recording_follows_its_own_command() -> None:
+    def scene(series: lamc.Series) -> lamc.Scene:
+        torque = lamc.Torque({"h": "2e-3*drive"})
+        return lamc.Scene(added=(torque,), inputs={"drive": lamc.Input(series=series)})
+
+    t = np.linspace(0.0, 1.0, 101)
+    commands = [lamc.Series(t, np.sin(9.0 * t + k), "linear", "hold") for k in range(2)]
+    sim = lamc.compile(one_link(), scene(commands[0]))
+    true = {"h.stiffness": 3e-3, "h.damping": 2e-5}
+    runs = [sim.run(t_end=1.0, t_eval=t, parameters=true, series={"drive": each}) for each in commands]
+    data = [
+        lamc.Recording(t, {"h": r.angle("h")}, series={"drive": c})
+        for r, c in zip(runs, commands, strict=True)
+    ]
+    fit = lamc.fit(one_link(), data, list(true), scene(commands[0]))
+    for name, value in true.items():
+        assert fit.values[name] == pytest.approx(value, rel=1e-6)  # noise-free; runs of 1e-9 a step
+    short = lamc.Recording(t, {"h": t}, series={"drive": lamc.Series([0.0, 0.5], [0.0, 1.0])})
+    with pytest.raises(lamc.RequestError, match=r"'drive' ends at t = 0.5 s, before the run does at 1 s"):
+        lamc.fit(one_link(), short, list(true), scene(commands[0]))
+    with pytest.raises(lamc.RequestError, match=r"follows a series"):
+        lamc.fit(
+            one_link(),
+            lamc.Recording(t, {"h": t}, series={"driv": commands[0]}),
+            list(true),
+            scene(commands[0]),
+        )
+
+
+def test_a_centre_of_mass_is_not_free_beside_points() -> None:
+    t = np.linspace(0.0, 1.0, 101)
+    recording = lamc.Recording(t, {"m.x": 0.0 * t}, markers={"m": "flap@(0, 0, -0.03)"})
+    with pytest.raises(lamc.RequestError, match=r"'flap\.com_y' is free, and 'm\.x' is a point"):
+        lamc.fit(one_link(), recording, ["flap.com_y"])

@@ -264,3 +264,30 @@ def test_nothing_of_it_stands_in_the_c_of_others() -> None:
     assert sim.program.digest == before
     text = "".join(path.read_text() for path in sim.source_dir.glob("*.[ch]"))
     assert "tangents" not in text
+
+
+@pytest.mark.parametrize("hold", ["previous", "linear", "cubic"])
+def test_through_jumps_and_kinks_of_a_series(hold: str) -> None:
+    command = lamc.Series(np.linspace(0.0, 1.0, 6), [0.0, 0.1, -0.1, 0.2, 0.05, 0.3], hold=hold)
+    scene = lamc.Scene(
+        effects=(lamc.HingeStiffness(), lamc.Torque({"h": "command"})),
+        inputs={"command": lamc.Input(unit="N*m", series=command)},
+        angles={"h": 0.1},
+    )
+    check(replace(oscillator(), scene=scene), ["h.stiffness", "angles.h"], 1.0)
+
+
+def test_a_servo_that_saturates() -> None:
+    scene = lamc.Scene(
+        effects=(
+            lamc.Servo(
+                joint="h", command=1.0, stiffness=2.0, damping=0.02, stall_torque=0.3, no_load_speed=20.0
+            ),
+        ),
+        angles={"h": 0.1},
+    )
+    sim = lamc.compile(replace(oscillator(), scene=scene))
+    names = [name for name in sim.parameters if "servo" in name][:4]
+    assert len(names) == 4
+    found = check(replace(oscillator(), scene=scene), [*names, "link.mass"], 0.5, reach=1e-4)
+    assert found.events

@@ -34,6 +34,15 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
                 leading=(0.0, 1.0),
                 outline=((1.0, -0.3), (2.0, -0.2), (2.0, 0.2), (1.0, 0.2)),
             ),
+            lamc.Cable(
+                ("ground", "a", "b"),
+                ((0.0, 0.0, 0.4), (1.0, 0.0, 0.2), (2.0, 0.05, 0.1)),
+                30.0,
+                length="2 - 0.3*sin(t)",
+                damping=0.2,
+                friction=0.1,
+                slip_speed=0.3,
+            ),
             lamc.ExternalTorque(("h2",)),
             lamc.Gravity((0.1, 0.2, -9.7)),
             lamc.GroundContact(
@@ -53,6 +62,19 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
                 "a", (0.1, 0.0, 0.0), "b", (1.2, 0.0, 0.0), (0, 0, 1), 0.1, BIMORPH, (1, -1), "9*cos(t)", 0.01
             ),
             lamc.RestAngle(),
+            lamc.Servo(
+                "h2",
+                "0.4*sin(5*t)",
+                3.0,
+                0.05,
+                stall_torque=0.6,
+                no_load_speed=20.0,
+                backlash=0.05,
+                dead_band=0.1,
+                gear_inertia=0.02,
+                gear_stiffness=40.0,
+                gear_damping=0.03,
+            ),
             lamc.Spring("ground", (0.0, 0.0, 0.5), "b", (2.0, 0.0, 0.0), 4.0, 0.3, 0.1),
             lamc.Torque({"h1": 0.02, "h2": "0.1*sin(t) - rate"}),
             lamc.BaseMotion(

@@ -57,3 +57,17 @@ def broken(result: Result) -> float:
 
 
 bounded = Family(rod, {"length": DesignParameter("0.3 m", minimum=0.05, maximum=0.34)})
+
+
+def hanging(count: float = 1.0, length: float = 0.3) -> Mechanism:
+    """So many rods (whole), one below the other, each `length` long, m: another topology for each number."""
+    bodies, joints = [Body("ground", fixed=True)], []
+    for k in range(int(count)):
+        inertia = 0.02 * length**2 / 12.0
+        com = np.array([0.0, 0.0, -(k + 0.5) * length])
+        bodies.append(Body(f"rod_{k}", 0.02, com, np.diag([inertia, inertia, 1e-3 * inertia])))
+        point, axis = np.array([0.0, 0.0, -k * length]), np.array([0.0, 1.0, 0.0])
+        before = "ground" if k == 0 else f"rod_{k - 1}"
+        joints.append(Joint(f"hip_{k}", before, f"rod_{k}", point=point, axis=axis, damping=1e-5))
+    scene = Scene(effects=(Gravity((0.0, 0.0, -9.81)), HingeDamping()), angles={"hip_0": 0.5})
+    return Mechanism(tuple(bodies), tuple(joints), name="hanging", scene=scene)

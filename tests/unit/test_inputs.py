@@ -390,9 +390,10 @@ def test_inputs_of_files_that_cannot_be_are_refused_at_their_place(said: str, re
 
 def test_the_schema_tells_inputs() -> None:
     said = json_schema()["$defs"]["SceneModel"]["properties"]["inputs"]
-    plain, whole = said["additionalProperties"]["anyOf"]
+    plain, whole, over_time = said["additionalProperties"]["anyOf"]
     assert plain == {"type": ["number", "string"], "x-unit": "of the input"}
     assert set(whole["properties"]) == {"default", "unit", "meaning"}
+    assert {"csv", "column", "unit", "hold"} <= set(over_time["properties"])
 
 
 LEAVES = st.one_of(

@@ -53,7 +53,7 @@ int main(void) {
     for (int i = 0; i < 12 * m->body_count; ++i) sum += poses[i];
   }
   m->setup(m->parameter_defaults, c);
-  const lamc_motion motion = {m, c, vector((int)lamc_motion_work_size(m)), 0.0};
+  const lamc_motion motion = {m, c, vector((int)lamc_motion_work_size(m)), 0.0, NULL};
   double *y = vector(size), t = 0.0;
   for (int i = 0; i < size; ++i) y[i] = 0.0;
   if (nq > n) y[nq - 4] = 1.0; /* a quaternion */

@@ -61,7 +61,7 @@ def test_the_table_does_not_depend_on_processes(tmp_path):
     )
     assert others == [one, one]
     assert one.count(b"refused") == 2 * 6  # 0.35 m and 0.4 m
-    assert b",nan,nan,refused" in one
+    assert b",nan,nan,-1,refused" in one
 
 
 def test_a_process_that_dies_costs_one_point():

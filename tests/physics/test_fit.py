@@ -288,3 +288,16 @@ def test_a_centre_of_mass_is_not_free_beside_points() -> None:
     recording = lamc.Recording(t, {"m.x": 0.0 * t}, markers={"m": "flap@(0, 0, -0.03)"})
     with pytest.raises(lamc.RequestError, match=r"'flap\.com_y' is free, and 'm\.x' is a point"):
         lamc.fit(one_link(), recording, ["flap.com_y"])
+
+
+def test_stops_are_fitted_through_and_starts_beyond_them_refused() -> None:
+    design = lamc.load(EXAMPLES / "limit_stop.yaml")
+    sim = lamc.compile(design)  # type: ignore[arg-type]
+    t = np.linspace(0.0, 1.0, 101)
+    true = 1.3 * sim.parameters["flap.mass"]
+    run = sim.run(t_end=1.0, t_eval=t, parameters={"flap.mass": true})
+    assert len(run.events) > 3
+    fit = lamc.fit(design, lamc.Recording(t, {"flap": run.angle("flap")}), ["flap.mass"])  # type: ignore[arg-type]
+    assert fit.values["flap.mass"] == pytest.approx(true, rel=1e-6)  # noise-free; runs of 1e-9 a step
+    with pytest.raises(lamc.DesignError, match="limit"):
+        lamc.fit(design, lamc.Recording(t, {"flap": t}, angles={"flap": 3.0}), ["flap.mass"])  # type: ignore[arg-type]

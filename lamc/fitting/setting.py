@@ -211,7 +211,7 @@ def _run_of(
 
     name = recording.name
     sight = sight_of(recording, name)
-    simulators_signals(simulator, sight)
+    check_columns(simulator, sight)
     own: list[Unknown] = []
     delay, unknown_delay = _delay(recording)
     if unknown_delay is not None:
@@ -279,7 +279,7 @@ def _check_series(recording: Recording, simulator: Simulator, end: float) -> Non
             raise RequestError(f"{recording.name}: {error.message}") from error
 
 
-def simulators_signals(simulator: Simulator, sight: Sight) -> None:
+def check_columns(simulator: Simulator, sight: Sight) -> None:
     """Raises RequestError for columns that are nothing of the model."""
     from lamc.fitting.signals import signal_of
 

@@ -301,3 +301,23 @@ def test_stops_are_fitted_through_and_starts_beyond_them_refused() -> None:
     assert fit.values["flap.mass"] == pytest.approx(true, rel=1e-6)  # noise-free; runs of 1e-9 a step
     with pytest.raises(lamc.DesignError, match="limit"):
         lamc.fit(design, lamc.Recording(t, {"flap": t}, angles={"flap": 3.0}), ["flap.mass"])  # type: ignore[arg-type]
+
+
+def test_a_candidate_tells_what_a_fit_with_it_finds(design: lamc.Design) -> None:
+    """Errors that are foretold of a column, against those of the fit with it."""
+    values = angles(design, noise=0.003)
+    free = list(TRUE)
+    first = lamc.fit(design, lamc.Recording(T, {"h1": values["h1"]}), free)
+    told = {each.name: each for each in first.candidates(["h1.rate", "h3", "h1"])}
+    assert [each.shrinks for each in told.values()] == sorted(
+        (each.shrinks for each in told.values()), reverse=True
+    )
+    # Once more halves variances of all four: 2^(4/2).
+    assert told["h1"].shrinks == pytest.approx(4.0, rel=1e-6)
+    both = lamc.fit(design, lamc.Recording(T, {"h1": values["h1"], "h3": values["h3"]}), free)
+    for name in free:
+        assert told["h3"].errors[name] == pytest.approx(
+            both.errors[name], rel=0.2
+        )  # noise of 200 rows, nearby values
+    with pytest.raises(lamc.RequestError, match="nothing of this model"):
+        first.candidates(["h9"])

@@ -68,6 +68,7 @@ bench: $(STAMP)
 	$(BIN)/python -m benchmarks.other_engines
 	$(BIN)/python -m benchmarks.embedding
 	$(BIN)/python -m benchmarks.ensembles
+	$(BIN)/python -m benchmarks.gradients
 
 ledgers: $(STAMP)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench]'

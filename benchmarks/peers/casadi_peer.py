@@ -14,11 +14,14 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 BDF = {"linear_multistep_method": "bdf", "nonlinear_solver_iteration": "newton"}
+PARAMETERS = (100.0, 100.0, 100.0, 10.0, 10.0, 10.0)  # N·m/rad, then N·m·s/rad
 ADAMS = {"linear_multistep_method": "adams", "nonlinear_solver_iteration": "functional"}
 
 
-def equations() -> tuple[ca.SX, ca.SX]:
-    """State [a, u] (6,) and its derivative, of the paper's three unit plates."""
+def equations() -> tuple[ca.SX, ca.SX, ca.SX]:
+    """State [a, u] (6,), parameters (6,): stiffness and damping of the hinges, and the state's derivative, of the
+    paper's three unit plates."""
+    p = ca.SX.sym("p", 6)
     a, u = ca.SX.sym("a", 3), ca.SX.sym("u", 3)
     inner = np.minimum.outer(range(3), range(3))
     outer = np.maximum.outer(range(3), range(3))
@@ -33,17 +36,17 @@ def equations() -> tuple[ca.SX, ca.SX]:
             force[i] -= weights[i, j] * ca.sin(a[i] - a[j]) * u[j] ** 2
     bent = ca.vertcat(a[0], a[1] - a[0], a[2] - a[1])
     rate = ca.vertcat(u[0], u[1] - u[0], u[2] - u[1])
-    torque = 100.0 * bent + 10.0 * rate
+    torque = p[:3] * bent + p[3:] * rate
     force -= torque - ca.vertcat(torque[1], torque[2], 0.0)
-    return ca.vertcat(a, u), ca.vertcat(u, ca.solve(mass, force))
+    return ca.vertcat(a, u), p, ca.vertcat(u, ca.solve(mass, force))
 
 
 class CasadiTriple:
     """One method of CVODES. compiled: as C made by CasADi and a compiler at -O2."""
 
     def __init__(self, method: dict[str, str], *, compiled: bool = False) -> None:
-        state, slope = equations()
-        self._problem = {"x": state, "ode": slope}
+        state, parameters, slope = equations()
+        self._problem = {"x": state, "p": parameters, "ode": slope}
         self._options: dict[str, object] = dict(method)
         if compiled:
             self._options |= {
@@ -58,10 +61,22 @@ class CasadiTriple:
 
     def angles(self, times: Array, rtol: float, atol: float) -> Array:
         """Hinge angles at times (m,), s, as (m, 3), rad, from rest in the flat position."""
-        found = self._integrator(times, rtol, atol)(x0=np.zeros(6))
+        found = self._integrator(times, rtol, atol)(x0=np.zeros(6), p=PARAMETERS)
         return np.diff(np.array(found["xf"])[:3].T, axis=1, prepend=0.0)
 
     def job(self, t_end: float, rtol: float, atol: float) -> Callable[[], object]:
         """The bare run, to be timed; making the integrator is not part of it."""
         function, start = self._integrator(np.array([t_end]), rtol, atol), ca.DM.zeros(6)
-        return lambda: function(x0=start)
+        return lambda: function(x0=start, p=PARAMETERS)
+
+    def gradient(self, t_end: float, rtol: float, atol: float) -> Callable[[], Array]:
+        """d(hinge angles)/d(parameters) at t_end, (3, 6), by CVODES' forward sensitivities, whose errors count as those
+        of the state do."""
+        function = self._integrator(np.array([t_end]), rtol, atol)
+        slopes, start = function.factory("slopes", ["x0", "p"], ["jac:xf:p"]), ca.DM.zeros(6)
+
+        def run() -> Array:
+            absolute = np.array(slopes(x0=start, p=PARAMETERS)["jac_xf_p"])[:3]
+            return np.diff(absolute, axis=0, prepend=np.zeros((1, 6)))
+
+        return run

@@ -70,7 +70,8 @@ class Lowering:
         if self.store.levels[index] == Level.PARAMETER and self.outer == Level.PARAMETER:
             return Operand(Space.CONSTANT, self.constants.setdefault(index, len(self.constants)))
         if isinstance(payload, Symbol):
-            return Operand(payload.space, payload.index)
+            held = payload.space is Space.CONSTANT  # by the runtime, in a slot that its symbol may not know
+            return Operand(payload.space, self.constants.get(index, payload.index) if held else payload.index)
         if index in self.drawn:
             return Operand(Space.PARAMETER, self.drawn[index])
         assert payload is not None, "a leaf is an input or a number"

@@ -13,6 +13,7 @@ from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
 from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
+from lamc.effects.pouch import Pouch
 from lamc.effects.servo import Servo
 from lamc.effects.spring import Spring
 from lamc.effects.torque import Torque
@@ -35,6 +36,7 @@ __all__ = [
     "LinearMotor",
     "NonlinearStiffness",
     "PiezoBender",
+    "Pouch",
     "RestAngle",
     "Servo",
     "Spring",

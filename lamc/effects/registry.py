@@ -19,6 +19,7 @@ from lamc.effects.hinges import HingeDamping, HingeStiffness, RestAngle
 from lamc.effects.limits import JointLimits
 from lamc.effects.motor import LinearMotor
 from lamc.effects.nonlinear import NonlinearStiffness
+from lamc.effects.pouch import Pouch
 from lamc.effects.registered import RegisteredEffect
 from lamc.effects.servo import Servo
 from lamc.effects.spring import Spring
@@ -38,6 +39,7 @@ EFFECTS: tuple[type[RegisteredEffect], ...] = (
     LinearMotor,
     Cable,
     NonlinearStiffness,
+    Pouch,
     Servo,
     Spring,
     Torque,

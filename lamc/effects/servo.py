@@ -12,6 +12,7 @@ from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import Arranging
 from lamc.mechanics.gears import gear_inertia, gear_of, reflected_inertia
 from lamc.mechanics.loads import Loads
+from lamc.mechanism.tree import Tree
 from lamc.symbolic.expression import stage
 from lamc.symbolic.scalars import Scalar, call
 
@@ -32,6 +33,10 @@ class Servo(RegisteredEffect):
     measures that, and its motor drives it. Between gear and joint is a play, `backlash` from flank to flank, in the
     middle of which a run starts; beyond it the flanks push each other by gear_stiffness and gear_damping (Nordin &
     Gutman, Automatica 38, 2002, section 2).
+
+    With a period the controller samples angle, rate and command at t = 0 and each multiple of the period, and the
+    torque that it asks for is held in between (zero-order hold, without delay); what the motor can give follows its
+    rate at all times. Samples are events. Outside a run, and in powers by rows, a state counts as sampled there.
 
     Corners of the limits, edges of the dead band and flanks are events, at which steps end. What is not given leaves no
     trace. One servo may act on a joint, and several in a scene.
@@ -56,6 +61,9 @@ class Servo(RegisteredEffect):
             ge=0.0,
         ),
     ] = 0.0
+    period: Annotated[
+        float | None, Unit("s", "sample time of the controller; left out: it acts at all times", gt=0.0)
+    ] = None
     dead_band: Annotated[
         float,
         Unit(
@@ -139,6 +147,15 @@ class Servo(RegisteredEffect):
         if self.backlash:
             arranging.gear(self.joint)
 
+    def notes(self, tree: Tree) -> tuple[str, ...]:
+        """Of a controller that samples: where its samples are not those of the run."""
+        if self.period is None:
+            return ()
+        return (
+            f"the servo on joint {self.joint!r} holds its torque between samples along a run, in the energy balance "
+            "too; accelerations and powers of single states, rows of a result among them, are as if sampled there",
+        )
+
     def contribute(self, loads: Loads) -> None:
         hinge = loads.hinge(self.joint)
         if not self.backlash:
@@ -181,6 +198,9 @@ class Servo(RegisteredEffect):
         if self.damping:
             damping = self._parameter(loads, "damping", "N·m·s/rad", "torque of the servo per rate")
             torque, demand = torque - damping * rate, demand - damping * rate
+        if self.period is not None:
+            period = self._parameter(loads, "period", "s", "sample time of the controller")
+            torque = demand = loads.clock(f"servo of {self.joint} samples", period).hold(demand)
         return self._within(loads, rate, torque, demand)
 
     def _error(self, loads: Loads, angle: Scalar) -> tuple[Scalar, Scalar]:
@@ -189,9 +209,11 @@ class Servo(RegisteredEffect):
         if not self.dead_band:
             return error, error
         band = self._parameter(loads, "dead_band", "rad", "error that asks for no torque")
+        beyond = call("max", error - band, 0.0) + call("min", error + band, 0.0)
+        if self.period is not None:  # a sample has no corners
+            return beyond, beyond
         above = loads.switch(f"error of {self.joint} above its dead band", error - band)
         below = loads.switch(f"error of {self.joint} below its dead band", -error - band)
-        beyond = call("max", error - band, 0.0) + call("min", error + band, 0.0)
         return above * (error - band) + below * (error + band), beyond
 
     def _commanded(self, loads: Loads) -> Scalar:

@@ -9,6 +9,7 @@ import hashlib
 from dataclasses import dataclass
 
 from lamc.basics._version import __version__
+from lamc.basics.errors import UnsupportedError
 from lamc.codegen.emit import emit, environment, other_entries
 from lamc.codegen.names import comment
 from lamc.codegen.printer import REAL, literal
@@ -55,6 +56,11 @@ class CSource:
 def c_source(simulator: Simulator, options: ExportOptions) -> CSource:
     """Header and source of `simulator`. Raises EmitError where an operation has no C form."""
     program = lean(simulator.program, options)
+    if program.clocks:
+        raise UnsupportedError(
+            f"{program.guards[program.clocks[0].guard].name}, and what is held between samples is not exported: leave "
+            "the period out of the scene that is exported"
+        )
     prefix = options.prefix or prefix_of(program.name)
     tree = emit(program, prefix=MODEL, number=REAL, recording=recording_of(simulator, options))
     parameters, inputs = members_of(program.parameters)

@@ -15,7 +15,7 @@ from lamc.mechanics.arrangement import Arrangement, PrescribedBase
 from lamc.mechanics.closure import Closure
 from lamc.mechanics.closure_plan import pattern_of
 from lamc.mechanics.equations import Equations
-from lamc.mechanics.guards import guard_terms
+from lamc.mechanics.guards import check_guards, guard_terms
 from lamc.mechanics.inverse_dynamics import InverseDynamics, Masses
 from lamc.mechanics.loads import Loads, SeenHinge
 from lamc.mechanics.moving_base import StagedFloat
@@ -93,6 +93,7 @@ def collect(
             hold(loads)
             effect.contribute(loads)
     symbols.parameters.check_asked()
+    check_guards(loads.guards)
     symbols.store.scope = LATER
     return loads
 

@@ -6,25 +6,58 @@ runtime does.
 
 A guard is negative where nothing happens. At a switch a force begins, and ends when the guard is negative again; the
 force is written with a mode, a number that is 1 beyond the guard and 0 before, so that between two events the
-equations are smooth. At an impact the guard's rate is reversed.
+equations are smooth. At an impact the guard's rate is reversed. At the tick of a clock, samples are taken and held.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lamc.basics.errors import DesignError
 from lamc.symbolic.derivative import derivative
+from lamc.symbolic.program import Space
 from lamc.symbolic.scalars import Scalar, Value
+from lamc.symbolic.staging import Store
+
+MOST_HELD = 1000  # by one clock
 
 
 @dataclass(frozen=True)
 class Guard:
-    """What an effect gives. Either `mode` or `restitution` is there."""
+    """What an effect gives. One of `mode`, `restitution` and `clock` is there."""
 
     name: str
     value: Scalar
     mode: Value | None = None
     restitution: Scalar | None = None
+    clock: "Clock | None" = None
+
+
+@dataclass
+class Clock:
+    """What is sampled at each multiple of a period, s, and held until the next.
+
+    tick  symbol of the time of the next sample, s; held: symbols of what is held, each with what it is a sample of
+    """
+
+    store: Store
+    number: int  # among clocks
+    period: Scalar
+    tick: Value
+    held: dict[Value, Scalar] = field(default_factory=dict)
+
+    def hold(self, value: Scalar) -> Value:
+        """A number that is `value` as it was at the last sample, a function of the state and of no mode."""
+        place = len(self.held)
+        symbol = self.store.symbol(
+            f"held_{self.number}_{place}", Space.CONSTANT, held_index(self.number, place)
+        )
+        self.held[symbol] = value
+        return symbol
+
+
+def held_index(clock: int, place: int) -> int:
+    """Of the symbols of a clock among those that the runtime sets: below zero, where no mode is. place -1: its tick."""
+    return -(1 + MOST_HELD * clock + place + 1)
 
 
 @dataclass(frozen=True)
@@ -35,6 +68,18 @@ class GuardTerms:
     rate: Scalar  # of the guard, per s, as far as it depends on t and q
     gradient: tuple[Scalar, ...]  # (nu,), of an impact, of the rate by u; empty for a switch
     by_rates: Scalar = 0  # what u̇ adds to the rate; 0 for a guard that does not depend on u
+
+
+def check_guards(guards: Sequence[Guard]) -> None:
+    """Raises DesignError for a guard or a sample that holds a mode: where a run starts all modes are set at once."""
+    modes = [guard.mode for guard in guards if guard.mode is not None]
+    for guard in guards:
+        sampled = [] if guard.clock is None else [*guard.clock.held.values()]
+        if modes and any(_depends(value, modes) for value in (guard.value, *sampled)):
+            raise DesignError(
+                f"the guard {guard.name!r} depends on what another switch gives, which is not known where a run "
+                "starts; write it without, as by max(…) or min(…)"
+            )
 
 
 def guard_terms(

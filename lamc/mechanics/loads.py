@@ -15,7 +15,7 @@ from lamc.basics.errors import DesignError
 from lamc.mechanics.added_inertia import AddedInertia
 from lamc.mechanics.body_points import BodyPoints, drawn_point
 from lamc.mechanics.drawn import keyed
-from lamc.mechanics.guards import Guard
+from lamc.mechanics.guards import Clock, Guard, held_index
 from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement, local_point, rotate_back
 from lamc.mechanics.powers import Account
@@ -150,6 +150,15 @@ class Loads(BodyPoints):
         mode = self._store.symbol(f"mode_{index}", Space.CONSTANT, slot)
         self.guards.append(Guard(name, self._scalar(guard), mode=mode))
         return mode
+
+    def clock(self, name: str, period: Scalar) -> Clock:
+        """What samples at t = 0 and each multiple of the period, s, above 0: clock.hold(value) is `value` as it was at
+        the last sample. Steps end at the samples. A state outside a run counts as sampled there."""
+        number = sum(1 for guard in self.guards if guard.clock is not None)
+        tick = self._store.symbol(f"tick_{number}", Space.CONSTANT, held_index(number, -1))
+        clock = Clock(self._store, number, self._scalar(period), tick)
+        self.guards.append(Guard(name, self.time - tick, clock=clock))
+        return clock
 
     def impact(self, name: str, guard: "Scalar | sp.Expr", restitution: "Scalar | sp.Expr") -> None:
         """An impact where `guard`, a function of the angles, becomes positive: its rate is reversed and multiplied by

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
+from lamc.basics.errors import RequestError
 from lamc.codegen.lowering import Lowering, canonical
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.linearise import linearise
@@ -16,7 +17,17 @@ from lamc.mechanics.tangents import Columns, tangents
 from lamc.records.series import ORDERS
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.piecewise import Piecewise
-from lamc.symbolic.program import DrawnNumber, Function, Guard, Program, SeriesInput, Space, design_digest
+from lamc.symbolic.program import (
+    TICKS,
+    Clock,
+    DrawnNumber,
+    Function,
+    Guard,
+    Program,
+    SeriesInput,
+    Space,
+    design_digest,
+)
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import TABLE, DrawnKey, Level, Store, Symbol, table_place
 
@@ -64,6 +75,7 @@ GUARD_CHANGES = (
     "what accelerations add to the rates of guards",
     (*_STATE, Space.ACCELERATION),
 )
+SAMPLES = ("samples", "periods of the clocks, s, then samples of what they hold", _STATE)
 IMPACTS = (
     "impacts",
     "restitutions of the guards, then derivatives of their rates by u",
@@ -99,6 +111,10 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         *([(POWER, tuple(equations.powers.values()))] if energy_balance else []),
     ]
     modes = [terms.guard.mode for terms in equations.guards if terms.guard.mode is not None]
+    clocks = [terms.guard.clock for terms in equations.guards if terms.guard.clock is not None]
+    modes += [
+        symbol for clock in clocks for symbol in (clock.tick, *clock.held)
+    ]  # the runtime's, as modes are
     # node → slot; first what the runtime keeps, zero at first: values and derivatives of series, then modes
     constants: dict[int, int] = {
         index: k for k, index in enumerate((*_series_nodes(store), *(m.index for m in modes)))
@@ -132,8 +148,13 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         cuts=equations.cut_joints,
         closure_count=len(equations.closure.residual) if equations.closure else 0,
         guards=tuple(
-            Guard(g.name, constants[g.mode.index] if g.mode is not None else -1)
+            Guard(g.name, constants[g.mode.index] if g.mode is not None else -1 if g.clock is None else TICKS)
             for g in (terms.guard for terms in equations.guards)
+        ),
+        clocks=tuple(
+            Clock(place, constants[c.tick.index], tuple(constants[each.index] for each in c.held))
+            for place, c in ((k, terms.guard.clock) for k, terms in enumerate(equations.guards))
+            if c is not None
         ),
         drawn=() if equations.arrangement is None else equations.arrangement.displaced,
         series=_series(equations, store, [value for _, outputs in motion for value in outputs]),
@@ -219,7 +240,7 @@ def _event_jobs(
     jobs: list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]] = []
     linearisation = linearise(equations)
     terms = equations.guards
-    impacts = any(t.guard.mode is None for t in terms)
+    impacts = any(t.guard.restitution is not None for t in terms)
     needs_inertia = needs_inertia or impacts or linearisation is not None
     if equations.closure is None and equations.is_plain and needs_inertia:
         jobs.append((INERTIA, _lower_triangle(equations)))
@@ -230,6 +251,10 @@ def _event_jobs(
         jobs.append((GUARDS, [*(t.guard.value for t in terms), *(t.rate for t in terms)]))
     if any(isinstance(t.by_rates, Value) or t.by_rates for t in terms):
         jobs.append((GUARD_CHANGES, [t.by_rates for t in terms]))
+    clocks = [t.guard.clock for t in terms if t.guard.clock is not None]
+    if clocks:
+        values = [value for clock in clocks for value in clock.held.values()]
+        jobs.append((SAMPLES, [*(clock.period for clock in clocks), *values]))
     if impacts:
         nothing = (0,) * len(equations.rates)
         restitutions = [0 if t.guard.restitution is None else t.guard.restitution for t in terms]
@@ -240,6 +265,11 @@ def _event_jobs(
 def _tangent_jobs(
     equations: Equations, columns: Columns
 ) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
+    if any(terms.guard.clock is not None for terms in equations.guards):
+        raise RequestError(
+            "a run is not differentiated where a controller samples (Servo.period): what it holds would need "
+            "derivatives of its own; leave the period out, or the sensitivities"
+        )
     found = tangents(equations, columns)
     jobs = [
         (TANGENTS, (*found.residuals, *found.flow)),
@@ -306,6 +336,7 @@ def _canonical(program: Program) -> Iterable[str]:
             program.closure_count,
             program.rank,
             program.guards,
+            *([program.clocks] if program.clocks else []),
             program.powers,
             *([program.columns] if program.columns else []),
             program.jacobian_cost,

@@ -26,7 +26,7 @@ SECOND = 2  # order of what a prescribed motion is differentiated to
 MOST = 1000
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*\Z")
 _STAGED = re.compile(
-    r"z[0-9]+|mode_[0-9]+|series_[0-9]+|(?:M|J|f|phi|gamma)(?:_[0-9]+)+"
+    r"z[0-9]+|mode_[0-9]+|series_[0-9]+|tick_[0-9]+|held_[0-9]+_[0-9]+|(?:M|J|f|phi|gamma)(?:_[0-9]+)+"
 )  # what `Equations` calls its own
 _MEANS = {
     "t": "the time",

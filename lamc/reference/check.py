@@ -147,7 +147,8 @@ def check(
         comparisons.append(kept_closed(newton, result))
     others = {name: budget for name, budget in _budgets(program).items() if name in cross_checks}
     if any(guard.mode < 0 for guard in program.guards):
-        notes.append("the motion is not compared: the other cross-checks' runs know no impacts")
+        what = "clocks" if program.clocks else "impacts"
+        notes.append(f"the motion is not compared: the other cross-checks' runs know no {what}")
     else:
         motion, missed = motions(cross_checks, others, newton, result, tell)
         comparisons += motion

@@ -119,8 +119,11 @@ class Interpreter:
         """`constants` with the modes of one state: 1 for guards that are positive there, 0 for the others."""
         if not self.program.guards:
             return constants
-        values = self._evaluate("guards", t, q, u, constants)
         sensed = np.array(constants, dtype=np.float64)
+        if self.program.clocks:
+            held = [slot for clock in self.program.clocks for slot in clock.held]
+            sensed[held] = self._evaluate("samples", t, q, u, constants)[len(self.program.clocks) :]
+        values = self._evaluate("guards", t, q, u, sensed)
         for guard, value in zip(self.program.guards, values, strict=False):  # values, then their rates
             if guard.mode >= 0:
                 sensed[guard.mode] = 1.0 if value > 0.0 else 0.0

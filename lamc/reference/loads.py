@@ -20,6 +20,7 @@ from lamc.reference.contact import ground
 from lamc.reference.expression import Formula, Values, parse
 from lamc.reference.kinematics import Link, TreeState
 from lamc.reference.point_loads import BodyState, PointLoad, Push, spring, wrenches
+from lamc.reference.pouch import pouch
 from lamc.reference.servo import LooseGear, loose_gear, place, servo
 from lamc.reference.wing import FluidMass, wing_in_air
 
@@ -104,6 +105,7 @@ KNOWN = (
     "linear_motor",
     "nonlinear_stiffness",
     "piezo_bender",
+    "pouch",
     "rest_angle",
     "servo",
     "spring",
@@ -179,6 +181,8 @@ def numeric_loads(
                 energies += ["joint_limits"] * bool(stored)
             case "linear_motor":
                 torques.append(_motor(effect, records))
+            case "pouch":
+                torques.append(pouch(effect, records))
             case "servo" if effect.backlash:
                 gears.append(loose_gear(effect, records))
                 energies.append("servo")

@@ -236,7 +236,8 @@ class Model(Unchanging):
         self.closure_count = int(handle.closure_count)
         self.rank = int(handle.rank)
         self.guards = self._names(handle.guard_names, handle.guard_count)
-        self.has_impacts = any(handle.guard_modes[i] < 0 for i in range(handle.guard_count))
+        self.has_impacts = any(handle.guard_modes[i] == -1 for i in range(handle.guard_count))
+        self.has_clocks = bool(handle.clock_count)
         self.series = self._names(handle.series_names, handle.series_count)
         self.series_orders = tuple(int(handle.series_orders[i]) for i in range(handle.series_count))
         self.own_series = series

@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
 
+from lamc.basics.errors import RequestError
 from lamc.run.following import stretches
 from lamc.run.model import Motion
 from lamc.run.request import Array, Request, Status, Trajectory
@@ -48,7 +49,13 @@ class _Output:
 
 
 def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
-    """Runs to the end, an obstacle or Ctrl-C; KeyboardInterrupt gives Status.CANCELLED and what there is."""
+    """Runs to the end, an obstacle or Ctrl-C; KeyboardInterrupt gives Status.CANCELLED and what there is. Raises
+    RequestError for a model that samples: nothing would be held in between."""
+    if motion.model.has_clocks:
+        raise RequestError(
+            f"scipy:{method} does not end its steps where a controller samples (Servo.period), and holds nothing in "
+            "between; take an integrator of lamc's own"
+        )
     output = _Output(request)
     accepted = 0
     last_step = 0.0

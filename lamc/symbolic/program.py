@@ -161,7 +161,21 @@ class Guard:
     """A condition whose passing of zero is an event."""
 
     name: str
-    mode: int  # slot in the constants that is 1 beyond the guard and 0 before; -1: an impact
+    mode: (
+        int  # slot in the constants that is 1 beyond the guard and 0 before; -1: an impact; TICKS: of a clock
+    )
+
+
+TICKS = -2
+
+
+@dataclass(frozen=True)
+class Clock:
+    """What samples at each multiple of a period. All but the guard are slots in the constants."""
+
+    guard: int  # among the guards
+    tick: int  # time of the next sample, s
+    held: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -193,6 +207,7 @@ class Program:
       "closure_tangents"  beside it, with loops: q, u → derivatives (m, nq + k + nq + nu + k) of φ by q and columns,
                       then of J u by q, u and columns
       "guard_tangents"    beside it, with guards: t, q, u → derivatives (guards, nq + nu + 1 + k) by q, u, t and columns
+      "samples"       where there are clocks: t, q, u → their periods, s, then samples of what they hold
       "power"         where it is asked for: t, q, u, u̇ → power of each of `powers`, W
       "poses"         t, q → per moving body centre of mass (3, m) and rotation matrix (9, row by row, body axes
                       equal to world axes in the drawn configuration), shape (12 len(bodies),)
@@ -214,6 +229,7 @@ class Program:
     rank: int = 0  # of the closure at a generic position; the other equations are redundant
     pattern: Pattern | None = None  # of J; None: a tree
     guards: "tuple[Guard, ...]" = ()
+    clocks: "tuple[Clock, ...]" = ()
     drawn: tuple[float, ...] = ()  # state at rest as drawn, (nq + nu,); empty: all zero
     series: tuple[SeriesInput, ...] = ()  # theirs are the first constants, four for each
     powers: tuple[str, ...] = ()  # names of the effects, in the order of "power"

@@ -114,7 +114,8 @@ typedef struct lamc_model {
   const int *series_orders;            /* (series_count,): the highest derivative that accelerations hold */
   const lamc_recording *recording;     /* followed where a motion has none of its own; NULL: none */
   const lamc_real *parameter_defaults; /* (parameter_count + geometry_count,), in parameter_units, then SI */
-  const int *guard_modes;  /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact */
+  const int *
+      guard_modes; /* (guard_count,): constant that is 1 beyond the guard, 0 before; -1: an impact, -2: a clock */
   lamc_real jacobian_cost; /* operations of jacobian over those of an acceleration */
   /* parameters (parameter_count + geometry_count,) -> constants (constant_count,); once per change of parameters */
   void (*setup)(const lamc_real *parameters, lamc_real *constants);
@@ -163,6 +164,15 @@ typedef struct lamc_model {
   /* At udot -> what it adds to the guards' rates (guard_count,). NULL: no guard depends on u */
   void (*guard_changes)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                         const lamc_real *udot, lamc_real *changes);
+  /* -> periods of the clocks (clock_count,) s, then samples of what they hold (held_count,) */
+  void (*samples)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                  lamc_real *samples);
+  int clock_count; /* what samples at each multiple of a period, and holds in between */
+  int held_count;
+  const int *clock_guards; /* (clock_count,): guards that pass zero at a sample */
+  const int *clock_ticks;  /* (clock_count,): constants that are the times of the next samples, s */
+  const int *held;         /* (held_count,): constants that are what it was at the last sample */
+  const int *held_clocks;  /* (held_count,): by which clock */
 } lamc_model;
 
 /* A model with its constants: what the functions below evaluate. One thread at a time for loops and guards, which use

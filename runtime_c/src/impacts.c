@@ -106,7 +106,7 @@ static int collect(const lamc_motion *motion, const impacts *p, int count, const
                    const lamc_real *struck) {
   int found = 0;
   for (int g = 0; g < p->k && found < p->m; g++) {
-    if (!(struck[g] > 0) || motion->model->guard_modes[g] >= 0) continue;
+    if (!(struck[g] > 0) || motion->model->guard_modes[g] != -1) continue;
     const lamc_real *gradient = p->gradient + (ptrdiff_t)g * p->n;
     const lamc_real v = lamc_dot(p->n, gradient, u);
     if (!(v > 0)) continue;

@@ -202,6 +202,13 @@ const lamc_model *driven_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
+      0,
+      0,
+      NULL,
+      NULL,
+      NULL,
+      NULL,
   };
   return &model;
 }

@@ -254,6 +254,13 @@ const lamc_model *measured_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
+      0,
+      0,
+      NULL,
+      NULL,
+      NULL,
+      NULL,
   };
   return &model;
 }

@@ -517,6 +517,13 @@ const lamc_model *pendulum_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
+      0,
+      0,
+      NULL,
+      NULL,
+      NULL,
+      NULL,
   };
   return &model;
 }

@@ -475,6 +475,13 @@ const lamc_model *two_links_in_space_model(void) {
       NULL,
       NULL,
       NULL,
+      NULL,
+      0,
+      0,
+      NULL,
+      NULL,
+      NULL,
+      NULL,
   };
   return &model;
 }

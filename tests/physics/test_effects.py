@@ -193,6 +193,7 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
         "linear_motor": (False, "no motor is called for"),
         "nonlinear_stiffness": (False, "no law of a hinge's torque is given"),
         "piezo_bender": (False, "no bender is called for"),
+        "pouch": (False, "no pouch is called for"),
         "rest_angle": (False, "every hinge rests as drawn"),
         "servo": (False, "no servo is called for"),
         "spring": (False, "no spring is called for"),

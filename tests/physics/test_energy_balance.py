@@ -28,7 +28,16 @@ from tests.support.quick import tries
 Array = npt.NDArray[np.float64]
 
 # These may bring energy in; no other may.
-DRIVEN = ("torque", "external_torque", "linear_motor", "servo", "cable", "piezo_bender", "base_motion")
+DRIVEN = (
+    "torque",
+    "external_torque",
+    "linear_motor",
+    "servo",
+    "cable",
+    "pouch",
+    "piezo_bender",
+    "base_motion",
+)
 METHODS = ("rk45", "dop853", "rodas5p", "radau5", "auto")
 START = {"h1": 0.3, "h2": -0.4}  # rad
 PATIENT = settings(

@@ -61,6 +61,7 @@ SAMPLES: Mapping[str, Effect] = MappingProxyType(
             lamc.PiezoBender(
                 "a", (0.1, 0.0, 0.0), "b", (1.2, 0.0, 0.0), (0, 0, 1), 0.1, BIMORPH, (1, -1), "9*cos(t)", 0.01
             ),
+            lamc.Pouch("h2", "2e3 + 1e3*sin(3*t)", 0.02, 0.3, flat_angle=-0.1, reverse=True),
             lamc.RestAngle(),
             lamc.Servo(
                 "h2",

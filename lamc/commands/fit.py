@@ -29,7 +29,7 @@ from lamc.readers.scene_writer import scene_data
 from lamc.records.mechanism import Mechanism
 from lamc.records.recording import Recording
 from lamc.records.scene import Scene
-from lamc.report.fit_text import fit_data, fit_summary
+from lamc.report.fit_text import candidates_data, candidates_text, fit_data, fit_summary
 
 SCENE = "scene.yaml"
 
@@ -51,6 +51,7 @@ class FitOrder:
     starts: int
     seed: int
     pictures: bool
+    design: tuple[str, ...]  # candidates
     out: str | None
 
 
@@ -85,6 +86,7 @@ def fit(order: FitOrder, terminal: Terminal) -> int:
                 order.seed,
             )
             held = [answer.held_back(found[path][0]) for path in order.hold_out]
+            more = answer.candidates(order.design) if order.design else ()
         with output_folder(order.out, f"{folder_name(loaded.name)}_fit") as folder, times.stage("write"):
             files = _write(answer, held, folder, loaded.name, order)
     unread = sorted({column for path in names for column in found[path][1]})
@@ -92,7 +94,8 @@ def fit(order: FitOrder, terminal: Terminal) -> int:
     sets = "".join(f" --set {name}={value!r}" for name, value in answer.dimensions.items())
     way = f"run it     lamc run {loaded.path or f'--example {loaded.name}'}{sets} --scene {folder / SCENE}"
     terminal.say(
-        f"design     {loaded.name}\n{fit_summary(answer, held)}\n\n{left}{way}\nfiles      {folder}: "
+        f"design     {loaded.name}\n{fit_summary(answer, held)}\n\n{candidates_text(more)}{left}{way}\nfiles   "
+        f"   {folder}: "
         f"{', '.join(files)}\n"
         f"time       {duration(time.monotonic() - began)}"
     )
@@ -101,6 +104,7 @@ def fit(order: FitOrder, terminal: Terminal) -> int:
             "ok": answer.converged,
             "design": loaded.name,
             **fit_data(answer, held),
+            "candidates": candidates_data(more),
             "folder": str(folder),
             "files": files,
         }

@@ -58,6 +58,12 @@ if TYPE_CHECKING:
     "--starts", type=int, default=4, metavar="N", help="Places to begin at, where the first leads nowhere."
 )
 @click.option("--seed", type=int, default=0, metavar="N", help="Of these places.")
+@click.option(
+    "--design",
+    multiple=True,
+    metavar="COLUMN",
+    help="What might be recorded beside (h2, link_2.x): says how much more each would tell.",
+)
 @settings
 @staged()
 @hinges
@@ -85,6 +91,7 @@ def fit(
     loss: str,
     starts: int,
     seed: int,
+    design: tuple[str, ...],
     settings: tuple[str, ...],
     changes: "SceneChanges",
     hinge_stiffness: str,
@@ -134,6 +141,7 @@ def fit(
         starts=starts,
         seed=seed,
         pictures=not no_pictures,
+        design=design,
         out=out,
     )
     return work(order, terminal)

@@ -4,8 +4,9 @@ In: a solved problem. Out: a `Fit`. It runs the model where a run is asked for, 
 recording's own numbers.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +23,9 @@ from lamc.run.request import Array, Request
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from lamc.studies.targets import Made
+
+if TYPE_CHECKING:
+    from lamc.fitting.candidates import Candidate
 
 _CORRELATED = 0.3  # of neighbouring residuals, beyond which intervals are too narrow to believe
 _ROWS = 200  # a second, of results
@@ -157,15 +161,22 @@ class Fit:
         span = end - task.t_start
         times = np.linspace(task.t_start, end, max(int(_ROWS * span) + 1, 101))
         request = Request(task.y0, end, 1e-9, 1e-11, times, 1_000_000, np.inf, None, t_start=task.t_start)
-        return task.simulator.integrated(
-            task.simulator.model.motion(task.parameters), task.parameters, request, "auto"
-        )
+        given: dict[str, Any] = dict(task.parameters)
+        return task.simulator.integrated(task.simulator.model.motion(given), given, request, "auto")
 
     def held_back(self, recording: Recording) -> Compared:
         """A recording that the fit was not made of, beside the model: cross-validation. Its own ranges are found."""
         from lamc.fitting.holding import held_back
 
         return held_back(self, recording)
+
+    def candidates(
+        self, columns: Sequence[str], markers: Mapping[str, object] | None = None
+    ) -> "tuple[Candidate, ...]":
+        """What each of these columns would tell if it were recorded beside, by D-optimality; the best first."""
+        from lamc.fitting.candidates import candidates
+
+        return candidates(self, columns, markers)
 
     def _run(self, which: int | str) -> tuple[Run, int]:
         for place, run in enumerate(self.setting.runs):

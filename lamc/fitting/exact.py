@@ -53,6 +53,12 @@ class Exact:
         end = float(task.times[-1])
         if end <= task.t_start or self._how.startswith("scipy:"):
             return self._plain.sensitive(task, fine=fine)
+        if task.simulator.model.has_clocks:
+            if not self.notes:
+                self.notes.append(
+                    "derivatives are differences of runs, as what is sampled is held between samples"
+                )
+            return self._plain.sensitive(task, fine=fine)
         self._own += 1
         names = tuple(task.sizes)
         model = self._model(task.simulator, names)

@@ -11,6 +11,7 @@ import numpy as np
 
 from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError
+from lamc.basics.places import located_at
 from lamc.codegen.options import CompileOptions
 from lamc.fitting.answer import Fit, compared_of, remarks
 from lamc.fitting.cameras import camera_starts
@@ -26,8 +27,11 @@ from lamc.fitting.unknowns import Unknowns, begun_at
 from lamc.records.mechanism import Mechanism
 from lamc.records.recording import Recording
 from lamc.records.scene import Scene
+from lamc.records.series import Series
 from lamc.run.evaluations import NO_PARAMETERS
+from lamc.run.parameters import with_limits
 from lamc.run.request import did_you_mean
+from lamc.run.start_checks import check_run, check_start
 from lamc.studies.making import named_scene
 from lamc.studies.targets import Made, Studied, family_of
 
@@ -88,6 +92,7 @@ def answered(
     recordings = _checked(data, loss, starts)
     setting = setting_of(simulators, recordings, _ranges(free), parameters)
     runs = Exact(integrator)
+    check_starts(Predictor(setting, runs))
     predictor = placed(Predictor(setting, runs))
     objective = Objective(predictor, first_sigmas(predictor))
     if segments == 1:
@@ -112,6 +117,19 @@ def _as_asked(objective: Objective, loss: str, starts: int, seed: int) -> tuple[
         if left_over(found.objective, found.inner) < left_over(solved.objective, solved.inner):
             return found.objective.predictor, found
     return predictor, elsewhere(solved, loss, starts, seed)
+
+
+def check_starts(predictor: Predictor) -> None:
+    """Shows the effects where runs begin. Raises DesignError for starts that they refuse, as outside of limits."""
+    at = predictor.numbers(predictor.setting.unknowns.values(predictor.setting.unknowns.start))
+    for which in range(len(predictor.setting.runs)):
+        task = predictor.task(which, at, sloped=False)
+        simulator, motion = task.simulator, task.simulator.model.motion(task.parameters)
+        numbers = {name: float(v) for name, v in task.parameters.items() if not isinstance(v, Series)}
+        with located_at(simulator.scene.places):
+            limited = with_limits(simulator.mechanism, numbers)
+            check_start(simulator.effects, limited, motion, task.y0)
+            check_run(simulator.effects, simulator.mechanism, motion, task.y0, float(task.times[-1]))
 
 
 def placed(predictor: Predictor) -> Predictor:

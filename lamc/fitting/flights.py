@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from lamc.records.series import Series
 from lamc.run import integrators
 from lamc.run.model import Motion
 from lamc.run.request import Array, Request
@@ -35,7 +36,7 @@ class Task:
     """
 
     simulator: Simulator
-    parameters: Mapping[str, float]
+    parameters: Mapping[str, float | Series]
     y0: Array
     t_start: float
     times: Array
@@ -123,10 +124,10 @@ class Differences:
         )
 
     def _by_parameter(self, task: Task, name: str, *, fine: bool) -> Array:
-        at, model = (
-            float(task.simulator.parameters[name] if name not in task.parameters else task.parameters[name]),
-            task.simulator.model,
-        )
+        model = task.simulator.model
+        given = task.parameters.get(name, task.simulator.parameters[name])
+        assert not isinstance(given, Series)
+        at = float(given)
 
         def rows(value: float) -> Array:
             return self._run(task, model.motion({**task.parameters, name: value}), task.y0)[0]

@@ -7,11 +7,14 @@ that are named as the model names them need no word. Raises RequestError for nam
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from lamc.basics.checks import did_you_mean
 from lamc.basics.errors import DesignError, Place, RequestError
 from lamc.fitting.signals import signal_of
 from lamc.readers.recordings import PIXELS, Table
 from lamc.records.recording import Array, Camera, Marker, Recording
+from lamc.records.series import Series
 from lamc.run.simulator import Simulator
 
 _AXES = ("x", "y", "z")
@@ -43,6 +46,7 @@ def recording_of(
     """The recording of a table, and the columns that nothing is made of."""
     columns: dict[str, Array] = {}
     markers: dict[str, Marker] = {}
+    series: dict[str, Series] = {}
     used: set[str] = set()
     for track, what in asked.maps.items():
         if what == "t":
@@ -55,8 +59,11 @@ def recording_of(
         else:
             if track not in table.columns:
                 raise _unknown(table, track, list(table.columns))
-            columns[what] = table.columns[track]
             used.add(track)
+            if what in simulator.model.series:
+                series[what] = _series(table, track, simulator, what)
+            else:
+                columns[what] = table.columns[track]
     for column, values in table.columns.items():
         if column not in used and column not in columns and _is_known(simulator, column):
             columns[column] = values
@@ -80,6 +87,7 @@ def recording_of(
         columns,
         name=name,
         start=asked.start,
+        series=series,
         markers=markers,
         camera=camera,
         delay=own.get("delay", 0.0),
@@ -89,6 +97,18 @@ def recording_of(
         bias={n.removesuffix(".bias"): given for n, given in own.items() if n.endswith(".bias")},
     )
     return recording, tuple(column for column in table.columns if column not in used)
+
+
+def _series(table: Table, column: str, simulator: Simulator, name: str) -> Series:
+    """A command that was recorded beside, as an input follows it; gaps are bridged."""
+    values = table.columns[column]
+    good = np.isfinite(values)
+    if not good.any():
+        raise DesignError(
+            f"the column {column!r} is empty, and the input {name!r} shall follow it", Place(table.path)
+        )
+    usual = simulator.model.own_series.get(name)
+    return Series(table.t[good], values[good], "linear" if usual is None else usual.hold, "hold", table.path)
 
 
 def _of_track(table: Table, track: str) -> dict[str, str]:

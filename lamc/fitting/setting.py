@@ -11,11 +11,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lamc.basics.checks import did_you_mean, shown
-from lamc.basics.errors import RequestError
+from lamc.basics.errors import LamcError, RequestError
+from lamc.basics.places import located_at
 from lamc.fitting.sight import Sight, sight_of
 from lamc.fitting.simulators import Simulators
 from lamc.fitting.unknowns import Unknown, Unknowns, free_of, is_range, unknown
 from lamc.records.recording import Free, Recording
+from lamc.records.series import Series
+from lamc.run.following import with_series
 from lamc.run.parameters import bounds, checked_parameters
 from lamc.run.request import Array
 from lamc.run.simulator import Simulator
@@ -45,7 +48,7 @@ class Run:
     begin: float
     angles: Mapping[str, float]  # given ones, over the scene's
     rates: Mapping[str, float]
-    parameters: Mapping[str, float]
+    parameters: Mapping[str, float | Series]
     numbers: Mapping[str, float]  # of the sensors, given ones; delay too
 
     @property
@@ -95,6 +98,7 @@ def setting_of(
         run, own = _run_of(recording, first, {each.name for each in unknowns}, notes)
         runs.append(run)
         unknowns += [each for each in own if each.name not in {u.name for u in unknowns}]
+    _refuse_centres(unknowns, runs)
     setting = Setting(simulators, tuple(runs), Unknowns(tuple(unknowns)), tuple(notes), given)
     if not unknowns and not held:
         raise RequestError(
@@ -106,6 +110,20 @@ def setting_of(
             "record more, or free less"
         )
     return setting
+
+
+def _refuse_centres(unknowns: Sequence[Unknown], runs: Sequence[Run]) -> None:
+    """Raises RequestError for centres of mass that are free beside points: points are told from the drawn centre."""
+    free = next((each.name for each in unknowns if each.kind == "parameter" and ".com_" in each.name), None)
+    point = next(
+        (s for run in runs for s in run.sight.signals if s.rpartition(".")[2] in ("x", "y", "z")), None
+    )
+    if free is not None and point is not None:
+        raise RequestError(
+            f"{free!r} is free, and {point!r} is a point of a body, which is placed by the centre as drawn; "
+            "record angles, or "
+            "free a dimension of the design"
+        )
 
 
 def _check_names(names: Sequence[str]) -> None:
@@ -193,7 +211,7 @@ def _run_of(
 
     name = recording.name
     sight = sight_of(recording, name)
-    simulators_signals(simulator, sight)
+    check_columns(simulator, sight)
     own: list[Unknown] = []
     delay, unknown_delay = _delay(recording)
     if unknown_delay is not None:
@@ -246,10 +264,22 @@ def _run_of(
     for each in parameters:
         if each in taken:
             raise RequestError(f"{name} gives {each!r} a value, and it is free; say one of them")
-    return Run(recording, name, sight, rows, begin, angles, rates, parameters, numbers), own
+    _check_series(recording, simulator, float(t[-1]) - earliest)
+    followed: dict[str, float | Series] = {**parameters, **recording.series}
+    return Run(recording, name, sight, rows, begin, angles, rates, followed, numbers), own
 
 
-def simulators_signals(simulator: Simulator, sight: Sight) -> None:
+def _check_series(recording: Recording, simulator: Simulator, end: float) -> None:
+    """Raises RequestError for series that no input follows, and that end before the recording does, at `end` s."""
+    given = with_series({}, recording.series, simulator.model.series, simulator.parameters)
+    with located_at(simulator.scene.places):
+        try:
+            simulator.model.motion(given).following.check_run(end)
+        except LamcError as error:
+            raise RequestError(f"{recording.name}: {error.message}") from error
+
+
+def check_columns(simulator: Simulator, sight: Sight) -> None:
     """Raises RequestError for columns that are nothing of the model."""
     from lamc.fitting.signals import signal_of
 

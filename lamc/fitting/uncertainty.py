@@ -21,6 +21,7 @@ _LOST = (
 )
 _VAGUE = 1.0  # of a number's size: it may be twice as large, or nothing
 _PART = 0.05  # of the largest change of the data by one number along a direction, below which it has no part
+_SHARE = 1e-3  # of the largest share of a direction: what is as good as none, however much it is felt
 _SNAP = 0.02  # of an exponent: to whole numbers and halves
 _AT_BOUND = 1e-6  # of a range
 
@@ -188,11 +189,12 @@ def _combinations(
     found = []
     for direction in _sparse(null):
         changes = np.abs(direction) * felt
-        part = (changes > _PART * float(np.max(changes))) | (np.abs(direction) == np.max(np.abs(direction)))
+        shares = np.abs(direction) / float(np.max(np.abs(direction)))
+        part = ((changes > _PART * float(np.max(changes))) & (shares > _SHARE)) | (shares == 1.0)
         at = free[part]
         values = unknowns.values(inner)[at]
         chosen = [unknowns.all[k] for k in at]
-        shares = direction[part] * np.array(
+        relative = direction[part] * np.array(
             [
                 1.0 if u.log else sizes[k] / v if v else np.inf
                 for u, k, v in zip(chosen, at, values, strict=True)
@@ -204,7 +206,7 @@ def _combinations(
             * np.array([v if u.log else 1.0 for u, v in zip(chosen, values, strict=True)])
         )
         names = tuple(u.name for u in chosen)
-        found.append(Combination(names, tuple(direction[part].tolist()), _words(names, shares, plain)))
+        found.append(Combination(names, tuple(direction[part].tolist()), _words(names, relative, plain)))
     return found
 
 

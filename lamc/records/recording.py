@@ -16,6 +16,7 @@ from lamc.basics.checks import checked_array, checked_kind, checked_name, checke
 from lamc.basics.errors import RequestError
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.basics.units import LENGTH, to_si
+from lamc.records.series import Series
 
 Array = npt.NDArray[np.float64]
 
@@ -166,6 +167,7 @@ class Recording:
             row (without loops: of all coordinates; with: those of the independent hinges that `angles` names as ranges)
     angles, rates  at the start, by hinge, rad and rad/s, in place of the scene's: numbers, or ranges
     parameters  of the model in this recording, such as a command: numbers by name
+    series  what inputs follow in this recording, by name, as of `Simulator.run`: its command
     markers by name: Marker, or text such as "link_2@(30mm, 0, 0)"
     camera  whose frame the markers are told in; None: the world's, m
     delay   s, by which times are late: a row shows the device as it was `delay` before; a number, or a range
@@ -182,6 +184,7 @@ class Recording:
     angles: Mapping[str, object] = field(default_factory=dict)
     rates: Mapping[str, object] = field(default_factory=dict)
     parameters: Mapping[str, float] = field(default_factory=dict)
+    series: Mapping[str, Series] = field(default_factory=dict)
     markers: Mapping[str, object] = field(default_factory=dict)
     camera: Camera | None = None
     delay: object = 0.0
@@ -213,7 +216,7 @@ class Recording:
             raise RequestError(f"the start of {what} is {shown(self.start)}; it is 'known' or 'estimated'")
         if self.camera is not None:
             checked_kind(self.camera, Camera, f"the camera of {what}", "make one with lamc.Camera(…)")
-        for each in ("angles", "rates", "parameters", "markers", "gain", "bias"):
+        for each in ("angles", "rates", "parameters", "series", "markers", "gain", "bias"):
             if not isinstance(getattr(self, each), Mapping):
                 raise RequestError(
                     f"{each} of {what} is {shown(getattr(self, each))}; it must map names to values"

@@ -5,10 +5,13 @@ In: a `Fit`, recordings that were held back. Out: lines of text; plain data. It 
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from lamc.basics.numbers import shortened, shown_number
 from lamc.fitting.answer import Compared, Fit
+
+if TYPE_CHECKING:
+    from lamc.fitting.candidates import Candidate
 
 _WIDE = 30
 
@@ -37,6 +40,31 @@ def fit_summary(fit: Fit, held: Sequence[Compared] = ()) -> str:
     if fit.notes:
         lines += ["", "notes      " + "\n           ".join(fit.notes)]
     return "\n".join(line.rstrip() for line in lines)
+
+
+def candidates_text(found: "Sequence[Candidate]") -> str:
+    """What would tell more, the best first."""
+    if not found:
+        return ""
+    lines = [_line("recorded beside", "its noise", "the region of all numbers shrinks by", "")]
+    for each in found:
+        noise = shown_number(each.noise, "" if each.unit == "1" else each.unit, 3)
+        lines.append(_line(each.name, noise, f"{each.shrinks:.4g} times", ""))
+    return "\n".join(line.rstrip() for line in lines) + "\n\n"
+
+
+def candidates_data(found: "Sequence[Candidate]") -> list[dict[str, Any]]:
+    """The same for programs."""
+    return [
+        {
+            "name": c.name,
+            "noise": c.noise,
+            "unit": c.unit,
+            "shrinks": c.shrinks,
+            "standard_errors": dict(c.errors),
+        }
+        for c in found
+    ]
 
 
 def interval_text(fit: Fit, name: str) -> str:

@@ -124,6 +124,16 @@ def test_the_summary_names_what_was_found() -> None:
     assert "--scene out/rod_fit/scene.yaml" in said.stdout
 
 
+def test_what_would_tell_more_is_said() -> None:
+    said = call(
+        *FIT, "--data", "run1.csv", "--angle", "h1=0.5", "--no-pictures", "--design", "link.z", "--json"
+    )
+    assert said.exit_code == 0, said.output
+    (each,) = json.loads(said.stdout)["candidates"]
+    assert (each["name"], each["unit"]) == ("link.z", "m")
+    assert each["shrinks"] > 1.0
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -77,6 +77,7 @@ def test_what_is_told_comes_back(design: lamc.Design) -> None:
     assert not fit.notes
 
 
+@pytest.mark.slow  # of the kind: tests/physics/test_fit_coverage.py
 def test_errors_are_those_of_repeated_fits(design: lamc.Design) -> None:
     """Standard errors against the scatter of 30 fits."""
     fits = [lamc.fit(design, lamc.Recording(T, angles(design, seed=k)), list(TRUE)) for k in range(30)]
@@ -251,3 +252,72 @@ def test_residuals_that_are_no_noise_are_told(design: lamc.Design) -> None:
     wave = {name: column + 0.03 * np.sin(8.0 * T) for name, column in values.items()}
     fit = lamc.fit(design, lamc.Recording(T, wave), list(TRUE))
     assert any("alike from row to row" in note for note in fit.notes)
+
+
+def test_each_recording_follows_its_own_command() -> None:
+    def scene(series: lamc.Series) -> lamc.Scene:
+        torque = lamc.Torque({"h": "2e-3*drive"})
+        return lamc.Scene(added=(torque,), inputs={"drive": lamc.Input(series=series)})
+
+    t = np.linspace(0.0, 1.0, 101)
+    commands = [lamc.Series(t, np.sin(9.0 * t + k), "linear", "hold") for k in range(2)]
+    sim = lamc.compile(one_link(), scene(commands[0]))
+    true = {"h.stiffness": 3e-3, "h.damping": 2e-5}
+    runs = [sim.run(t_end=1.0, t_eval=t, parameters=true, series={"drive": each}) for each in commands]
+    data = [
+        lamc.Recording(t, {"h": r.angle("h")}, series={"drive": c})
+        for r, c in zip(runs, commands, strict=True)
+    ]
+    fit = lamc.fit(one_link(), data, list(true), scene(commands[0]))
+    for name, value in true.items():
+        assert fit.values[name] == pytest.approx(value, rel=1e-6)  # noise-free; runs of 1e-9 a step
+    short = lamc.Recording(t, {"h": t}, series={"drive": lamc.Series([0.0, 0.5], [0.0, 1.0])})
+    with pytest.raises(lamc.RequestError, match=r"'drive' ends at t = 0.5 s, before the run does at 1 s"):
+        lamc.fit(one_link(), short, list(true), scene(commands[0]))
+    with pytest.raises(lamc.RequestError, match=r"follows a series"):
+        lamc.fit(
+            one_link(),
+            lamc.Recording(t, {"h": t}, series={"driv": commands[0]}),
+            list(true),
+            scene(commands[0]),
+        )
+
+
+def test_a_centre_of_mass_is_not_free_beside_points() -> None:
+    t = np.linspace(0.0, 1.0, 101)
+    recording = lamc.Recording(t, {"m.x": 0.0 * t}, markers={"m": "flap@(0, 0, -0.03)"})
+    with pytest.raises(lamc.RequestError, match=r"'flap\.com_y' is free, and 'm\.x' is a point"):
+        lamc.fit(one_link(), recording, ["flap.com_y"])
+
+
+def test_stops_are_fitted_through_and_starts_beyond_them_refused() -> None:
+    design = lamc.load(EXAMPLES / "limit_stop.yaml")
+    sim = lamc.compile(design)  # type: ignore[arg-type]
+    t = np.linspace(0.0, 1.0, 101)
+    true = 1.3 * sim.parameters["flap.mass"]
+    run = sim.run(t_end=1.0, t_eval=t, parameters={"flap.mass": true})
+    assert len(run.events) > 3
+    fit = lamc.fit(design, lamc.Recording(t, {"flap": run.angle("flap")}), ["flap.mass"])  # type: ignore[arg-type]
+    assert fit.values["flap.mass"] == pytest.approx(true, rel=1e-6)  # noise-free; runs of 1e-9 a step
+    with pytest.raises(lamc.DesignError, match="limit"):
+        lamc.fit(design, lamc.Recording(t, {"flap": t}, angles={"flap": 3.0}), ["flap.mass"])  # type: ignore[arg-type]
+
+
+def test_a_candidate_tells_what_a_fit_with_it_finds(design: lamc.Design) -> None:
+    """Errors that are foretold of a column, against those of the fit with it."""
+    values = angles(design, noise=0.003)
+    free = list(TRUE)
+    first = lamc.fit(design, lamc.Recording(T, {"h1": values["h1"]}), free)
+    told = {each.name: each for each in first.candidates(["h1.rate", "h3", "h1"])}
+    assert [each.shrinks for each in told.values()] == sorted(
+        (each.shrinks for each in told.values()), reverse=True
+    )
+    # Once more halves variances of all four: 2^(4/2).
+    assert told["h1"].shrinks == pytest.approx(4.0, rel=1e-6)
+    both = lamc.fit(design, lamc.Recording(T, {"h1": values["h1"], "h3": values["h3"]}), free)
+    for name in free:
+        assert told["h3"].errors[name] == pytest.approx(
+            both.errors[name], rel=0.2
+        )  # noise of 200 rows, nearby values
+    with pytest.raises(lamc.RequestError, match="nothing of this model"):
+        first.candidates(["h9"])

@@ -57,6 +57,7 @@ from lamc.effects import (
 )
 from lamc.export import convert, export
 from lamc.export.options import ExportOptions
+from lamc.fitting.answer import Fit
 from lamc.fitting.fit import fit
 from lamc.pipeline import compile  # noqa: A004  the public name is lamc.compile
 from lamc.readers.inert import Limits
@@ -102,6 +103,7 @@ __all__ = [
     "ExpressionError",
     "ExternalTorque",
     "Family",
+    "Fit",
     "FlexibleLinks",
     "Free",
     "FreeBase",

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 from lamc.basics.numbers import duration
 from lamc.basics.places import located_at
 from lamc.basics.times import Times
-from lamc.codegen.emit import SourceTree
+from lamc.codegen.emit import SourceTree, emit
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, mechanism_of
 from lamc.commands.terminal import Terminal
 from lamc.effects.registry import Choice
 from lamc.export.folder import Origin, write_folder
+from lamc.export.series import tables_of_scene
 from lamc.pipeline import equations_of, sources_of
 from lamc.report.equations_text import equations_tex, equations_txt, listing
 from lamc.symbolic.program import Program
@@ -60,6 +61,8 @@ def build(
         with located_at(scene.places):
             derived = equations_of(mechanism, scene.effects or (), times, inputs=scene.inputs)
         program, tree = sources_of(derived, times)
+        if program.series:
+            tree = emit(program, recording=tables_of_scene(program, scene))
         texts = dict(sorted(tree.files.items()))
         if equations:
             with times.stage("write equations"):

@@ -6,7 +6,7 @@ In: a `FitOrder`. Out: files in a folder, a summary, an exit code.
 import json
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -177,7 +177,7 @@ def _write(answer: Fit, held: list[Compared], folder: Path, name: str, order: Fi
     if order.pictures:
         with quick_imports():
             from lamc.report.fit_pictures import draw_overlay, draw_residuals
-        every = (*answer.compared, *held)
+        every = (*answer.compared, *(replace(each, name=f"{each.name}, held back") for each in held))
         for what, draw, file in (
             ("Recordings and model", draw_overlay, "overlay.png"),
             ("Residuals", draw_residuals, "residuals.png"),

@@ -59,6 +59,7 @@ class OptimiseOrder:
     pictures: bool
     look: Look
     out: str | None
+    workers: int | None = None
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,8 @@ def optimise(order: OptimiseOrder, terminal: Terminal) -> int:
             raise asked.file.located(error) from error
         with output_folder(order.out, f"{folder_name(loaded.name)}_optimise") as folder:
             with times.stage("optimise"):
-                best = search.run(folder, resume=order.resume, progress=progress.part)
+                workers = search.workers(order.workers)
+                best = search.run(folder, workers, resume=order.resume, progress=progress.part)
             with times.stage("write"):
                 files = [MANIFEST, ROWS, *_write(best, folder, order)]
     spent = duration(time.monotonic() - began)

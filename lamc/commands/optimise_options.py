@@ -75,6 +75,7 @@ METHODS = ("auto", "least-squares", "slsqp", "trust-constr", "nelder-mead", "evo
 @sheeted
 @compiler
 @precision
+@click.option("--workers", type=int, metavar="N", help="Processes.  [default: one for each processor]")
 @click.option(
     "--resume",
     is_flag=True,
@@ -122,6 +123,7 @@ def optimise(
     cc: str | None,
     fast: bool,
     precision: str,
+    workers: int | None,
     resume: bool,
     to: tuple[str, ...],
     no_pictures: bool,
@@ -177,5 +179,6 @@ def optimise(
         pictures=not no_pictures,
         look=look,
         out=out,
+        workers=workers,
     )
     return work(order, terminal)

@@ -258,6 +258,7 @@ def _data(report: RunReport) -> dict[str, Any]:
         "design_parameters": parameters_data(report.dimensions),
         "design_parameters_set": dict(report.given),
         "parameters": dict(result.provenance.parameters),
+        **({"series": dict(result.provenance.series)} if result.provenance.series else {}),
         "parameter_units": dict(simulator.parameter_units),
         "notes": list(report.notes),
         "stats": asdict(result.stats),

@@ -37,7 +37,7 @@ from lamc.studies.bench import MISSING, OK, RunOptions
 from lamc.studies.making import AS_EVER, study_of
 from lamc.studies.statistics import indices
 from lamc.studies.storage import MANIFEST, ROWS
-from lamc.studies.table import Table, need_xarray
+from lamc.studies.table import Table, need_xarray, need_zarr
 
 KINDS = ("csv", "netcdf", "zarr")
 
@@ -66,8 +66,9 @@ class SweepOrder:
 
 def sweep(order: SweepOrder, terminal: Terminal) -> int:
     """Runs, writes, reports. Returns 0, 3 if no point went well, 130 after Ctrl-C."""
-    if "netcdf" in order.to or "zarr" in order.to:
-        need_xarray()  # before hours of work
+    for kind, need in (("netcdf", need_xarray), ("zarr", need_zarr)):
+        if kind in order.to:
+            need()  # before hours of work
     times = Times()
     began = time.monotonic()
     with terminal.progress() as progress:

@@ -34,9 +34,9 @@ def _claim(joint: str) -> str:
 class ExternalTorque(RegisteredEffect):
     """A torque on each hinge's child about the hinge's axis, N·m, an input of the model; positive opens the fold.
 
-    The input is `<joint>.torque`, zero unless set otherwise, and constant within a run. A hinge on which `Torque` acts
-    with a number has that as its input, with that number as its default; one with an expression has both. With all
-    inputs zero the motion is that without the effect, to the last bit.
+    The input is `<joint>.torque`, zero unless set otherwise, and constant within a run unless a series of the scene has
+    that name. A hinge on which `Torque` acts with a number has that as its input, with that number as its default;
+    one with an expression has both. With all inputs zero the motion is that without the effect, to the last bit.
     """
 
     joints: Annotated[

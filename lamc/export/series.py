@@ -16,8 +16,9 @@ from lamc.records.effect import hooked
 from lamc.records.inputs import is_of_effect
 from lamc.records.scene import Scene
 from lamc.records.series import Series
-from lamc.run.following import series_of
+from lamc.run.following import Following, series_of
 from lamc.run.simulator import RTOL, Simulator
+from lamc.symbolic.program import Program
 
 MOST_ROWS = 100_000  # of all tables: some 10 MB of C, and seconds of a compiler
 
@@ -27,7 +28,18 @@ def recording_of(simulator: Simulator, options: ExportOptions) -> Recording | No
 
     Raises ExportError for tables that are too long, and for times that single precision cannot tell apart.
     """
-    following = simulator.model.motion({}).following
+    return tables_of(simulator.model.motion({}).following, options)
+
+
+def tables_of_scene(program: Program, scene: Scene) -> Recording | None:
+    """The same of a program that nothing was compiled of."""
+    own = series_of(scene)
+    names, orders = (tuple(getattr(each, of) for each in program.series) for of in ("name", "order"))
+    return tables_of(Following(names, tuple(own[name] for name in names), orders), ExportOptions())
+
+
+def tables_of(following: Following, options: ExportOptions) -> Recording | None:
+    """The tables of all series; None where there is none. Raises as `recording_of` does."""
     if not following.series:
         return None
     rows = sum(len(each.t) for each in following.series)

@@ -51,6 +51,13 @@ class Compared:
             found = np.sqrt(np.nanmean(self.residuals**2, axis=0))
         return dict(zip(self.columns, found.tolist(), strict=True))
 
+    def share_text(self, column: str) -> str:
+        """Of the column's variance what the model leaves, in words."""
+        k = self.columns.index(column)
+        if float(np.ptp(self.predicted[:, k])) < self.rms[column]:
+            return "at rest"
+        return f"{self.share[column]:.2%}"
+
     @property
     def share(self) -> dict[str, float]:
         """Of each column's variance, what the model leaves."""

@@ -18,8 +18,9 @@ from lamc.fitting.exact import Exact
 from lamc.fitting.objective import Objective, first_sigmas
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import setting_of
+from lamc.fitting.shooting import growth, shoot
 from lamc.fitting.simulators import Simulators
-from lamc.fitting.solve import LOSSES, Solved, left_over, solve
+from lamc.fitting.solve import LOSSES, Solved, elsewhere, is_poor, left_over, solve
 from lamc.fitting.uncertainty import account_of, correlated
 from lamc.fitting.unknowns import Unknowns, begun_at
 from lamc.records.mechanism import Mechanism
@@ -30,6 +31,7 @@ from lamc.run.request import did_you_mean
 from lamc.studies.making import named_scene
 from lamc.studies.targets import Made, Studied, family_of
 
+FORGETS = 100.0  # times as large as at the start: a change of it
 _POOR = 0.5  # share of the data's variance: a model that does not describe them
 
 
@@ -43,6 +45,7 @@ def fit(
     loss: str = "linear",
     starts: int = 4,
     seed: int = 0,
+    segments: int | None = None,
     integrator: str = "auto",
     options: CompileOptions | None = None,
 ) -> Fit:
@@ -59,12 +62,15 @@ def fit(
     loss     "linear": least squares; "soft_l1", "huber", "cauchy", "arctan": outliers count less
     starts   how many at most, where the first leaves more than a tenth of the data's variance; seed: of the others
 
+    segments pieces of each recording, each with a start of its own, that meet in the end (multiple shooting): for
+             motion that forgets its start; 1: none; None: where the motion asks for it and one run finds no way
+
     Returns a Fit, which may not be what it seems: `Fit.converged`, `Fit.notes` and `Fit.unidentifiable` tell. Raises
     RequestError for what makes no fit: unknown names, fewer data than unknowns, a number that changes nothing that was
     recorded; DesignError for what cannot be simulated; SimulationError if the run fails from where the fit begins.
     """
     simulators = Simulators(family_of(design), _scene(scene), options)
-    return answered(simulators, data, free, parameters, loss, starts, seed, integrator)
+    return answered(simulators, data, free, parameters, loss, starts, seed, integrator, segments)
 
 
 def answered(
@@ -76,6 +82,7 @@ def answered(
     starts: int,
     seed: int,
     integrator: str = "auto",
+    segments: int | None = None,
 ) -> Fit:
     """The fit of a design that is compiled, as of `fit`."""
     recordings = _checked(data, loss, starts)
@@ -83,8 +90,28 @@ def answered(
     runs = Exact(integrator)
     predictor = placed(Predictor(setting, runs))
     objective = Objective(predictor, first_sigmas(predictor))
-    solved = solve(objective, loss, starts, seed)
-    return answer(predictor, solved, loss)
+    if segments == 1:
+        return answer(predictor, solve(objective, loss, starts, seed), loss)
+    if segments is not None:
+        begin = setting.unknowns.within(setting.unknowns.start)
+        found, _ = shoot(objective, begin, segments)
+        return answer(found.objective.predictor, found, loss)
+    return answer(*_as_asked(objective, loss, starts, seed), loss)
+
+
+def _as_asked(objective: Objective, loss: str, starts: int, seed: int) -> tuple[Predictor, Solved]:
+    """By one run, or in pieces where the motion forgets its start and one run finds no way."""
+    predictor = objective.predictor
+    unknowns = predictor.setting.unknowns
+    solved = solve(objective, loss, 1, seed)
+    if is_poor(solved) and loss == "linear" and max(growth(predictor, solved.inner)) > FORGETS:
+        try:
+            found, _ = shoot(Objective(predictor, objective.sigmas), unknowns.within(unknowns.start), None)
+        except RequestError:  # of a model whose states are not free
+            found = solved
+        if left_over(found.objective, found.inner) < left_over(solved.objective, solved.inner):
+            return found.objective.predictor, found
+    return predictor, elsewhere(solved, loss, starts, seed)
 
 
 def placed(predictor: Predictor) -> Predictor:
@@ -103,9 +130,8 @@ def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
     if not np.isfinite(solved.cost):
         raise RequestError(f"no fit: {solved.message}")
     objective, inner = solved.objective, solved.inner
-    account = account_of(
-        unknowns, inner, objective.residual(inner), objective.jacobian(inner, fine=True), loss
-    )
+    jacobian = objective.jacobian(inner, fine=True)
+    account = account_of(unknowns, inner, objective.residual(inner), jacobian, loss, predictor.runs.known_to)
     compared = compared_of(predictor, solved)
     values = dict(zip(unknowns.names, unknowns.values(inner).tolist(), strict=True))
     notes = [*setting.notes, *predictor.runs.notes, *solved.notes, *remarks(compared)]

@@ -18,6 +18,7 @@ from lamc.run.simulator import Simulator
 
 RTOL, ATOL = 1e-10, 1e-12  # of a step: what differences of runs are taken of
 _NEAR = 1e-4  # of a number's size, of two points: misses 1e-8 of it, and the runs' errors come to 1e-6
+DIFFERENCED = 1e-6  # see _FAR, and ten times as much
 _FAR = 2e-3  # of four points: misses 1e-11, and the runs' errors come to 1e-7
 
 
@@ -29,6 +30,7 @@ class Task:
     y0          (n,), state at time t_start, s
     times       (m,), s, ascending, none before t_start
     sizes       by parameter: of the change of it that counts as one
+    which       recording it is of
     directions  (n, r): how the start follows from r numbers, of which a change of one is of the size of `reaches` (r,)
     """
 
@@ -40,6 +42,7 @@ class Task:
     sizes: Mapping[str, float] = field(default_factory=dict)
     directions: Array = field(default_factory=lambda: np.zeros((0, 0)))
     reaches: Array = field(default_factory=lambda: np.zeros(0))
+    which: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +66,10 @@ class Runs(Protocol):
     @property
     def told(self) -> str:
         """How derivatives are had."""
+
+    @property
+    def known_to(self) -> float:
+        """Errors of derivatives, of the largest."""
 
     @property
     def notes(self) -> list[str]:
@@ -89,6 +96,10 @@ class Differences:
     @property
     def told(self) -> str:
         return "differences of runs, of fourth order at the end"
+
+    @property
+    def known_to(self) -> float:
+        return DIFFERENCED
 
     def flight(self, task: Task) -> Flight:
         motion = task.simulator.model.motion(task.parameters)

@@ -73,11 +73,19 @@ class Objective:
                 parts.append(((prediction.values - measured) / sigma)[good])
         return np.concatenate([*parts, self._priors(inner)])
 
+    def fresh(self, inner: Array) -> Array:
+        """The residual, computed anew: runs may hold more than the vector says."""
+        return self._residual(inner)
+
     def jacobian(self, inner: Array, *, fine: bool = False) -> Array:
         """(N, p), by the solver's vector. Raises LamcError where there is none."""
+        return self.jacobians(inner, fine=fine)[0]
+
+    def jacobians(self, inner: Array, *, fine: bool = False) -> tuple[Array, Array]:
+        """The same, and (N, e) by what else runs know their slopes by."""
         setting = self.predictor.setting
         rates = setting.unknowns.rates(inner)
-        parts = []
+        parts, others = [], []
         found = self.predictions(inner, sloped=True, fine=fine)
         for run, measured, prediction, sigma in zip(
             setting.runs, self.measured, found, self.sigmas, strict=True
@@ -86,13 +94,15 @@ class Objective:
                 raise LamcError(f"{run.name} has no derivatives: {prediction.message}")
             good = np.isfinite(measured)
             parts.append((prediction.slopes / sigma[:, None])[good] * rates)
+            others.append((prediction.beside / sigma[:, None])[good])
         values = setting.unknowns.values(inner)
         for k, each in enumerate(setting.unknowns.all):
             if each.free.prior is not None:
                 row = np.zeros((1, len(values)))
                 row[0, k] = rates[k] / each.free.prior[1]
                 parts.append(row)
-        return np.concatenate(parts)
+                others.append(np.zeros((1, others[0].shape[1])))
+        return np.concatenate(parts), np.concatenate(others)
 
     def _priors(self, inner: Array) -> Array:
         unknowns = self.predictor.setting.unknowns

@@ -6,7 +6,7 @@ whole, as another drawing has other bodies, masses and points.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -23,12 +23,13 @@ _START = 1e-5  # rad, rad/s: of differences of starts that close loops
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """values: (m, k), NaN where the run did not come; slopes: (m, k, p), by the unknowns' values, or empty; message:
-    why a run ended early, else empty."""
+    """values: (m, k), NaN where the run did not come; slopes: (m, k, p), by the unknowns' values, or empty; beside:
+    (m, k, e), by what else the flight knows its slopes by; message: why a run ended early, else empty."""
 
     values: Array
     slopes: Array
     message: str = ""
+    beside: Array = field(default_factory=lambda: np.zeros((0, 0, 0)))
 
 
 class Predictor:
@@ -58,7 +59,7 @@ class Predictor:
         by_state = np.einsum(
             "mkj,mjn->mkn", by_signal, signals.slopes(flight.motion, task.times, flight.rows)
         )
-        moved = self._movers(which)
+        moved = self.movers(which)
         for place, column in moved.items():
             slopes[:, :, place] = np.einsum("mkn,mn->mk", by_state, flight.slopes[:, :, column])
         for place, each in enumerate(setting.unknowns.all):
@@ -72,7 +73,8 @@ class Predictor:
                 slopes[:, :, place] = self._by_dimension(
                     which, at, each.name, each.size, by_signal, fine=fine
                 )
-        return Prediction(told, slopes)
+        beside = np.einsum("mkn,mne->mke", by_state, flight.slopes[:, :, len(moved) :])
+        return Prediction(told, slopes, beside=beside)
 
     def seen(self, which: int, at: Mapping[str, float]) -> tuple[Array, Flight]:
         """Signals (m, K) of a recording's run at numbers of the unknowns, and the flight."""
@@ -108,7 +110,7 @@ class Predictor:
         times = run.times - at.get(f"{run.name}.delay", run.numbers[f"{run.name}.delay"])
         times = np.maximum(times, run.begin)
         if not sloped:
-            return Task(simulator, parameters, y0, run.begin, times)
+            return Task(simulator, parameters, y0, run.begin, times, which=which)
         sizes = {
             u.key: abs(at[u.name]) if u.log or at[u.name] else u.size
             for u in unknowns
@@ -117,9 +119,9 @@ class Predictor:
         moving = [u for u in unknowns if u.owner == run.name and u.kind in ("angle", "rate")]
         directions = [_direction(simulator, angles, rates, u.kind, u.key, y0) for u in moving]
         shaped = np.stack(directions, axis=1) if directions else np.zeros((len(y0), 0))
-        return Task(simulator, parameters, y0, run.begin, times, sizes, shaped, np.ones(len(moving)))
+        return Task(simulator, parameters, y0, run.begin, times, sizes, shaped, np.ones(len(moving)), which)
 
-    def _movers(self, which: int) -> dict[int, int]:
+    def movers(self, which: int) -> dict[int, int]:
         """Places of unknowns that move the state → columns of a flight's slopes."""
         unknowns, name = self.setting.unknowns.all, self.setting.runs[which].name
         parameters = [k for k, u in enumerate(unknowns) if u.kind == "parameter"]

@@ -13,7 +13,8 @@ from lamc.fitting.objective import Objective, groups_of, told_sigmas
 from lamc.run.request import Array
 
 LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
-_FTOL = _XTOL = 1e-8  # relative: a thousandth of a thousandth of what noise leaves uncertain
+_FTOL = 1e-6  # of the cost: of a thousand data, a number moves by 0.03 of its standard error, and by less the next time
+_XTOL = 1e-8  # of the numbers
 _POOR = 0.1  # share of the data's variance that is left, above which other starts are looked at
 _FAR_OFF = 3.0  # of logarithms: a factor of twenty either way, from where a fit begins
 _SAME = 1.01  # times the best cost: another way to the same place
@@ -43,14 +44,20 @@ def solve(objective: Objective, loss: str, starts: int, seed: int, max_steps: in
     begin = _inside(objective, unknowns.within(unknowns.start))
     check_felt(objective, begin)
     found = _weighted(objective, begin, loss, max_steps)
-    if _is_poor(found):
+    if is_poor(found):
         found = _grown(found, begin, loss, max_steps)
-    if starts > 1 and _is_poor(found):
-        found = _other_starts(found, loss, starts, seed, max_steps)
+    return elsewhere(found, loss, starts, seed, max_steps)
+
+
+def elsewhere(found: Solved, loss: str, starts: int, seed: int, max_steps: int = 60) -> Solved:
+    """The same, or what other starts lead to where it is poor."""
+    if starts > 1 and is_poor(found):
+        return _other_starts(found, loss, starts, seed, max_steps)
     return found
 
 
-def _is_poor(found: Solved) -> bool:
+def is_poor(found: Solved) -> bool:
+    """Whether it did not converge, or leaves much of the data."""
     return not found.converged or left_over(found.objective, found.inner) > _POOR
 
 

@@ -16,7 +16,9 @@ from lamc.fitting.unknowns import Unknown, Unknowns
 from lamc.run.request import Array
 
 LEVEL = 0.95
-_NULL = 1e-6  # of the largest singular value: what differences of runs cannot tell from zero
+_LOST = (
+    3.0  # standard errors along a direction, of the numbers' sizes, beyond which it is as good as not told
+)
 _VAGUE = 1.0  # of a number's size: it may be twice as large, or nothing
 _PART = 0.05  # of the largest change of the data by one number along a direction, below which it has no part
 _SNAP = 0.02  # of an exponent: to whole numbers and halves
@@ -49,8 +51,11 @@ class Account:
     freedom: int  # data less unknowns
 
 
-def account_of(unknowns: Unknowns, inner: Array, residual: Array, jacobian: Array, loss: str) -> Account:
-    """residual (N,), jacobian (N, p): weighted, at the optimum `inner` (p,)."""
+def account_of(
+    unknowns: Unknowns, inner: Array, residual: Array, jacobian: Array, loss: str, known_to: float
+) -> Account:
+    """residual (N,), jacobian (N, p): weighted, at the optimum `inner` (p,). known_to: errors of the Jacobian, of its
+    size: a singular value below that is none."""
     p = len(inner)
     low, high = unknowns.bounds
     held = _held(inner, low, high)
@@ -62,7 +67,7 @@ def account_of(unknowns: Unknowns, inner: Array, residual: Array, jacobian: Arra
     scaled = np.sqrt(curves)[:, None] * jacobian * sizes
     pushed = scaled * (weights * residual / np.sqrt(curves))[:, None] if loss != "linear" else None
     _, singular, right = np.linalg.svd(scaled[:, free], full_matrices=False)
-    null = singular <= _NULL * float(singular.max(initial=0.0))
+    null = singular <= max(known_to * float(singular.max(initial=0.0)), noise / _LOST)
     felt = np.linalg.norm(scaled[:, free], axis=0)
     found = _combinations(unknowns, inner, free, right[null], sizes, felt)
     kept = right[~null]

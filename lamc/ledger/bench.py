@@ -19,7 +19,7 @@ import numpy as np
 import sympy as sp
 
 from lamc.basics._version import __version__
-from lamc.basics.errors import SimulationError
+from lamc.basics.errors import SimulationError, UnsupportedError
 from lamc.basics.times import Times
 from lamc.codegen.build import build
 from lamc.codegen.cache import Cache
@@ -31,6 +31,7 @@ from lamc.records.scene import Scene
 from lamc.reference.integrate import simulate
 from lamc.reference.interpreter import Interpreter
 from lamc.reference.staged import StagedValues
+from lamc.run.following import series_of
 from lamc.run.simulator import Simulator
 
 if TYPE_CHECKING:
@@ -104,6 +105,11 @@ class Bench:
 
 def measure(mechanism: Mechanism, scene: Scene, options: CompileOptions, observer: Observer) -> Bench:
     """Times every way. Raises LamcError as `lamc.compile` does, and SimulationError if two ways disagree."""
+    if series := series_of(scene):
+        raise UnsupportedError(
+            f"the bench compares evaluations with numbers for inputs, and the input {next(iter(series))!r} follows a "
+            "series; give it a number"
+        )
     times = Times(observer=observer)
     effects = effects_of(mechanism, scene)
     equations = equations_of(mechanism, effects, times, inputs=scene.inputs)

@@ -122,6 +122,8 @@ class Mujoco:
             raise ImportError("mujoco is not installed") from error
         if simulator.cut_joints:
             raise LamcError("it holds loops by soft constraints, which converge to another motion")
+        if simulator.model.series:
+            raise LamcError("inputs that follow series are not translated for it")
         inputs = {name: each.default for name, each in simulator.scene.inputs.items()}
         effects = with_inputs(simulator.mechanism, simulator.effects, inputs)
         loads = numeric_loads(simulator.mechanism, effects, simulator.joints)

@@ -17,6 +17,10 @@ from lamc.symbolic.pattern import Pattern, PlanStep
 from lamc.symbolic.scalars import Value
 
 OF_LARGEST = 0.1  # of the largest of a row, that is left or was there: what a pivot has at least
+ALIKE = (
+    1.0 - 1e-6
+)  # likewise: what is so near to the largest is as large, and the first of them is taken: in a sheet of
+# like vertices round-off would choose, of another machine or of a scaled drawing another one
 NOTHING = 1e-9  # of the largest of a row: less is round-off of a position that closes to 1e-12
 # Rates up to which J stays one array: complete pivoting passes singular positions in single precision too, where rows
 # taken one after the other come apart: a Bricard linkage, an N-four-bar of three loops (`test_export_float_loops.py`)
@@ -82,12 +86,14 @@ class _Elimination:
         """The row that comes next."""
         length = np.where(self.peaks >= OF_LARGEST * self.peaks.max(), self._lengths, np.inf)
         alike = np.flatnonzero(length == length.min())
-        return int(alike[np.argmax(self.peaks[alike])])
+        peaks = self.peaks[alike]
+        return int(alike[np.argmax(peaks >= ALIKE * peaks.max())])
 
     def take(self, index: int) -> None:
         """That row becomes a step, and the others lose its pivot."""
         row, self._rows[index] = self._rows[index], {}
-        pivot = max(row, key=lambda j: abs(row[j]))
+        least = ALIKE * max(map(abs, row.values()))
+        pivot = min(j for j, v in row.items() if abs(v) >= least)
         step = PlanStep(index, tuple(self._updates[index]), (pivot, *(j for j in row if j != pivot)))
         for j in row:
             self._knows[j].discard(index)

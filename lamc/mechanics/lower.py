@@ -9,7 +9,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
-from lamc.basics.errors import RequestError
 from lamc.codegen.lowering import Lowering, canonical
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.linearise import linearise
@@ -265,11 +264,6 @@ def _event_jobs(
 def _tangent_jobs(
     equations: Equations, columns: Columns
 ) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
-    if any(terms.guard.clock is not None for terms in equations.guards):
-        raise RequestError(
-            "a run is not differentiated where a controller samples (Servo.period): what it holds would need "
-            "derivatives of its own; leave the period out, or the sensitivities"
-        )
     found = tangents(equations, columns)
     jobs = [
         (TANGENTS, (*found.residuals, *found.flow)),

@@ -3,7 +3,8 @@
 In: an `Arrangement`, effects, inputs, loops. Out: a `Survey`: the digest of a structure, and the value of each
 parameter and of each number of the drawing. Two designs of one digest have one program but for those numbers, to the
 last bit, so that nothing is derived, printed or compiled for the second. Effects have their turn here, as only they
-know what they bring; nothing is solved.
+know what they bring, and loops of many hinges are closed, as the plan of their elimination follows from numbers;
+nothing is solved.
 
 The digest is cautious: it holds more than equations follow from (zeros and ones of numbers that they may not hold, all
 that effects stage). Designs that could share a program may differ in it; designs that could not never agree.
@@ -18,8 +19,9 @@ from typing import TYPE_CHECKING
 from lamc.loops.cycles import short_cycles
 from lamc.loops.rank import LoopCount
 from lamc.mechanics.arrangement import Arrangement
-from lamc.mechanics.assembly import symbols_of
-from lamc.mechanics.closure_plan import FEW
+from lamc.mechanics.assembly import Symbols, symbols_of
+from lamc.mechanics.closure import close_cycles
+from lamc.mechanics.closure_plan import FEW, pattern_of
 from lamc.mechanics.cycle_closure import Line, line_numbers, lines_of
 from lamc.mechanics.derive import begin_plain
 from lamc.mechanics.drawn import link_numbers
@@ -63,10 +65,10 @@ class Survey:
 
 
 def can_survey(arrangement: Arrangement) -> bool:
-    """Whether a survey tells all: not of loops that are eliminated by a plan, which follows from numbers, nor of those
-    in which something yields. They are derived, and their programs compared."""
-    few = len(arrangement.tree.hinges) <= FEW
-    return not arrangement.tree.cuts or (few and not arrangement.yields)
+    """Whether a survey tells all: not of loops in which something yields, whose rank follows from equations. They are
+    derived, and their programs compared."""
+    yields = len(arrangement.plain_coordinates) > len(arrangement.tree.hinges)
+    return not (arrangement.tree.cuts and yields)
 
 
 @collector_paused
@@ -96,6 +98,8 @@ def survey_design(
         text.update(b"\n")
     values = drawn | {key: float(store.payloads[index]) for key, index in store.drawn.items()}  # type: ignore[arg-type]
     values |= {("size",): tree.mechanism.size, ("gap",): loops.accepted_gap if loops is not None else 0.0}
+    if loops is not None and len(tree.hinges) > FEW:
+        text.update(_of_plan(symbols, tree, loops).encode())
     return Survey(text.hexdigest(), parameters, MappingProxyType(values), arrangement.displaced)
 
 
@@ -111,6 +115,14 @@ def _of_base(loads: Loads, tree: Tree) -> Iterator[tuple[DrawnKey, float]]:
     for key, point in points.items():
         for place, value in enumerate((point - base.reference).tolist()):
             yield (*key, place), value
+
+
+def _of_plan(symbols: Symbols, tree: Tree, loops: LoopCount) -> str:
+    """How loops of many hinges are eliminated, which follows from numbers: they are closed as equations close them, in
+    the same operations, so that the same plan comes of it to the last bit."""
+    count = len(tree.hinges)
+    closure = close_cycles(tree, symbols.q[:count], symbols.u[:count])
+    return repr(pattern_of(closure, symbols.q, loops.rank, loops.position))
 
 
 def _kind(value: float) -> str:

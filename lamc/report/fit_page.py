@@ -30,7 +30,7 @@ def fit_page(title: str, fit: Fit, held: Sequence[Compared], pictures: Sequence[
             f"{each.name}{' (held back)' if each in held else ''}",
             column,
             shown_number(each.rms[column], each.units[k], 3),
-            f"{each.share[column]:.2%}",
+            each.share_text(column),
         )
         for each in (*fit.compared, *held)
         for k, column in enumerate(each.columns)

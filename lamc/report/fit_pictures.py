@@ -80,5 +80,5 @@ def _scale(each: Compared, k: int, values: np.ndarray) -> tuple[float, str]:
 
 def _label(axis: Axes, each: Compared, k: int, unit: str) -> None:
     dress(axis)
-    name = f"{shortened(each.name, 16)}: {shortened(each.columns[k], 22)}"
+    name = f"{shortened(each.name, 20)}: {shortened(each.columns[k], 22)}"
     axis.set_ylabel(name + (f"\n[{unit}]" if unit else ""), parse_math=False, fontsize=9)

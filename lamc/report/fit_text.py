@@ -24,7 +24,6 @@ def fit_summary(fit: Fit, held: Sequence[Compared] = ()) -> str:
         lines += ["", "not told   " + "\n           ".join(map(str, fit.unidentifiable))]
     lines += ["", _line("recording", "column", "left (rms)", "of its variance")]
     for each in (*fit.compared, *held):
-        share = each.share
         for k, column in enumerate(each.columns):
             title = f"{each.name}{' (held back)' if each in held else ''}" if not k else ""
             lines.append(
@@ -32,7 +31,7 @@ def fit_summary(fit: Fit, held: Sequence[Compared] = ()) -> str:
                     title,
                     shortened(column, 18),
                     shown_number(each.rms[column], each.units[k], 3),
-                    f"{share[column]:.2%}",
+                    each.share_text(column),
                 )
             )
     if fit.notes:

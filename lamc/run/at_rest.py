@@ -15,10 +15,12 @@ import numpy as np
 from lamc.basics.once import lazy
 from lamc.run.model import Motion
 from lamc.run.request import Array
+from lamc.run.ridders import derivative
 
 NO_EQUATION = 1e-12  # of a row of J: less is left over from rounding the drawing, as the runtime has it
 OPEN = 1e-8  # rad, or of the size: the runtime closes to 1e-13, and what it cannot close stays far above this
 _STEP = 1e-3  # of differences, where the model has no derivatives: to 1e-12 and, by round-off, 1e-12
+_WIDEST = 0.01  # of differences that are to tell all they can
 _LEAST_STEP = 1e-7
 _QUATERNION = ("base.qw", "base.qx", "base.qy", "base.qz")
 
@@ -51,9 +53,14 @@ class Rest:
         model = self.motion.model
         found = np.zeros(2 * len(model.guards))
         if len(found):
-            place, still = np.ascontiguousarray(q), np.zeros(self.nu)
-            given = (model.read(self.motion.constants), self.t, model.read(place), model.read(still))
-            model.handle.guards(*given, model.write(found))
+            t, row, udot = np.array([self.t]), self.row(q), np.zeros(self.nu)
+            q, still = row[0, : self.nq].copy(), np.zeros(self.nu)
+            with self.motion.opened() as handle:  # whose constants then hold what inputs follow at t
+                model.lib.lamc_motion_accelerations(
+                    handle, 1, model.read(t), model.read(row), model.write(udot)
+                )
+                given = (handle.constants, self.t, model.read(q), model.read(still))
+                model.handle.guards(*given, model.write(found))
         return found[: len(model.guards)]
 
     def flow(self, q: Array) -> Array:
@@ -105,23 +112,29 @@ class Rest:
         return rows[model.rank :].T, float(values[model.rank - 1] / values[0]) if is_full else 0.0
 
     def _inertia(self, q: Array, tangent: Array) -> Array:
-        """N^T M N (k, k), kg·m² for angles: by kinetic energies, T(a + b) - T(a) - T(b) + T(0), which whatever form
-        the model has its equations in tells exactly."""
+        """N^T M N (k, k), kg·m² for angles: by energies, T(a + b) - T(a) - T(b) + T(0), which whatever form the model
+        has its equations in tells exactly. Rotors and the air that goes with a wing are among the energies of effects,
+        whose potentials fall out, one by one to the last digit."""
         k = tangent.shape[1]
-        scale = np.sqrt(np.maximum(2.0 * self._kinetic(q, tangent.T), np.finfo(float).tiny))
+        still = self._energies(q, np.zeros((1, self.nu)))
+        moving = 2.0 * (self._energies(q, tangent.T) - still).sum(axis=1)
+        scale = np.sqrt(np.maximum(moving, np.finfo(float).tiny))
         unit = (
             tangent.T / scale[:, None]
         )  # of about equal energies, so that no digit is lost between large and small
         first, second = np.triu_indices(k)
-        alone, still = self._kinetic(q, unit), self._kinetic(q, np.zeros((1, self.nu)))[0]
-        pairs = self._kinetic(q, unit[first] + unit[second]) - alone[first] - alone[second] + still
+        alone = self._energies(q, unit)
+        pairs = (self._energies(q, unit[first] + unit[second]) - alone[first] - alone[second] + still).sum(
+            axis=1
+        )
         matrix = np.zeros((k, k))
         matrix[first, second] = matrix[second, first] = pairs
         return np.asarray(matrix * np.outer(scale, scale), dtype=float)
 
-    def _kinetic(self, q: Array, rates: Array) -> Array:
+    def _energies(self, q: Array, rates: Array) -> Array:
+        """(m, energies), J, at rates (m, nu)."""
         rows = np.ascontiguousarray(np.hstack([np.tile(q, (len(rates), 1)), rates]))
-        return np.asarray(self.motion.energies(np.full(len(rows), self.t), rows)[:, 0])
+        return self.motion.energies(np.full(len(rows), self.t), rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,6 +172,24 @@ class Stand:
             return self.by_differences(_STEP)
         by_q, by_u = self.rest.motion.jacobian(self.rest.t, self.rest.row(self.q)[0])
         return self.tangent.T @ by_q @ self.flow, self.tangent.T @ by_u @ self.tangent
+
+    @lazy
+    def slopes(self) -> tuple[Array, Array, float]:
+        """`derivatives`, as well as can be, and an estimate of the largest error; 0 where the model has them. Where it
+        has none, by differences of several widths: drag and friction may change within a small rate."""
+        if self.rest.is_exact:
+            return (*self.derivatives, 0.0)
+        k = len(self.push)
+        found = []
+        for part in (slice(None, k), slice(k, None)):
+            most = self.width(_WIDEST) if part.start is None else _WIDEST
+            tried = [
+                derivative(lambda x, part=part: self.differenced(x)[:, part], 0.0, most * share)  # type: ignore[misc]
+                for share in (1.0, 1e-2, 1e-4)
+            ]
+            found.append(min(tried, key=lambda each: each[1]))
+        (by_q, wrong_q), (by_u, wrong_u) = found
+        return by_q, by_u, max(wrong_q, wrong_u)
 
     def by_differences(self, h: float) -> tuple[Array, Array]:
         """The same by central differences, h rad, or of the size, and 1/s of that, wide, and half as wide, extrapolated

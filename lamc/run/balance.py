@@ -15,12 +15,14 @@ import numpy as np
 from lamc.run.at_rest import Stand
 from lamc.run.request import Array
 
-STEPS = 200  # of each way, at most
+STEPS = 200  # to the nearest, at most
+DOWN = 1000  # of descent, at most: a chain of 30 links that falls from a line takes some hundreds
 LONGEST = 0.2  # rad, or of the size: of a step; the farther, the less the next equilibrium is the nearest
 SHORTEST = 1e-10  # likewise: of the trust region; below, the search goes nowhere
 AT_HAND = 1e-7  # likewise: a Newton step this short ends within round-off, as the next is about its square
 STILL = 1e-12  # of the accelerations that a radian away are had: what is left over in a balance
 DEPENDENT = 1e-11  # of the largest stiffness: directions that the position does not resist
+FAR = 25.0  # rad, or of the size: four turns; who went farther down is pushed on and on
 _DOUBTFUL = 1e-8  # likewise, where derivatives are differences
 _ASIDE = 1e-3  # of the trust region: a step aside from where nothing pushes, though nothing holds
 _TURNED = 0.3  # of the push at the beginning of a step that may be there at its end, turned round
@@ -47,7 +49,8 @@ def search(start: Stand, *, stable: bool) -> Search:
     if found.is_balanced:
         return found
     other = _finished(descended(start))
-    return other if other.is_balanced else found
+    is_on_its_way = other.steps >= DOWN or went_far(start, other.stand)
+    return other if other.is_balanced or is_on_its_way else found
 
 
 def nearest(stand: Stand, way: str) -> Search:
@@ -75,8 +78,8 @@ def nearest(stand: Stand, way: str) -> Search:
 
 def descended(stand: Stand) -> tuple[Stand, int]:
     """Where loads push it to; and the steps that took."""
-    radius, count = LONGEST, 0
-    for count in range(1, STEPS + 1):
+    radius, count, start = LONGEST, 0, stand
+    for count in range(1, DOWN + 1):
         step, is_stable = _downhill(stand, radius)
         if is_stable and stand.reach(step) <= AT_HAND:
             break
@@ -87,7 +90,17 @@ def descended(stand: Stand) -> tuple[Stand, int]:
                 return stand, count
             trial = stand.moved(step)
         radius, stand = min(2.0 * radius, LONGEST), trial
+        if went_far(start, stand):
+            break
     return stand, count
+
+
+def went_far(start: Stand, stand: Stand) -> bool:
+    """Whether it is out of all reach."""
+    rest = start.rest
+    lengths = np.array([c.unit == "m" for c in rest.motion.model.coordinates], dtype=bool)
+    away = np.abs(stand.q - start.q) / np.where(lengths, rest.size or 1.0, 1.0)
+    return bool(away.max(initial=0.0) > FAR)
 
 
 def _downhill(stand: Stand, radius: float) -> tuple[Array, bool]:

@@ -5,9 +5,10 @@ Never: integrates.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
+from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,10 +17,11 @@ from lamc.basics.errors import DesignError, LamcError, RequestError, SimulationE
 from lamc.basics.once import lazy
 from lamc.run.arguments import check_names
 from lamc.run.at_rest import Rest, Stand
-from lamc.run.balance import Search, search
+from lamc.run.balance import DOWN, Search, search, went_far
 from lamc.run.defaults import DURATION
 from lamc.run.held import true_angles
 from lamc.run.model import Motion, Unchanging
+from lamc.run.operating_notes import notes_of
 from lamc.run.request import Array, finite
 from lamc.run.stability import Criterion, Kind, Resistance, resistance
 from lamc.run.steady import CLOSED, check_edges, check_rank, check_time, contacts
@@ -27,10 +29,8 @@ from lamc.run.steady import CLOSED, check_edges, check_rank, check_time, contact
 if TYPE_CHECKING:
     from lamc.run.simulator import Simulator
 
-SAME = 1e-6  # rad, or of the size: positions nearer than this are one; each is known far better
+SAME = 1e-6  # rad, of the size, or of the energy: what is nearer than this is one; each is known far better
 _SPREAD = 2.0  # rad: to both sides of the scene's start, where starts are not given
-_CLOSE_TO_FADED = 1e-3  # of the strongest equation of the loops
-_SOFTEST = 1e-6  # of the largest stiffness: a position is known less well by as much
 
 Start = "Mapping[str, float | str] | Equilibrium | None"
 
@@ -48,7 +48,7 @@ class Equilibrium(Unchanging):
     residual     largest acceleration that is left, in the units of the rates per second
     uncertainty  of the position, rad, or of the mechanism's size: the last Newton step, or what closure leaves open
     energy       stored at rest, J; loads that store none, such as torques, have no part in it
-    contacts     names of the limits that are reached and the points that touch
+    contacts     names of conditions that hold: limits reached, points that touch, points of tables that are passed
     moved        the largest way of a coordinate from the start, rad or m
     way          how it was found: "nearest", or "descended" where the loads push
     steps        that it took
@@ -73,6 +73,9 @@ class Equilibrium(Unchanging):
     motion: Motion = field(repr=False)
     stand: Stand = field(repr=False)
     resistance: Resistance = field(repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), **{each.name: getattr(self, each.name) for each in fields(self)}), ()
 
     @property
     def stable(self) -> bool:
@@ -130,7 +133,7 @@ def equilibria_of(
         except (SimulationError, DesignError) as error:
             refusals.append(error)
             continue
-        if all(_apart(rest, point.q, other.q) > SAME for other in found):
+        if not any(_is_same(point, other) for other in found):
             found.append(point)
     if not found:
         raise refusals[0]
@@ -225,7 +228,7 @@ def _found(simulator: "Simulator", rest: Rest, start: Stand, *, has_time: bool, 
         way=ended.way,
         steps=ended.steps,
         t=rest.t,
-        notes=_notes(stand, found, ended, has_time=has_time),
+        notes=notes_of(simulator.mechanism, q, ended, found, has_time=has_time),
         motion=rest.motion,
         stand=stand,
         resistance=found,
@@ -242,6 +245,10 @@ def _refusal(start: Stand, ended: Search) -> str:
     )
     free = not np.any(np.abs(stand.response) > 0.0)
     why = "no load there depends on the position" if free else "from there no small change lessens it"
+    if went_far(start, stand):
+        why = "loads push it on and on"
+    elif ended.steps >= DOWN:
+        why = "the search has not come to an end"
     return (
         f"no equilibrium is within reach of the start: after {ended.steps} steps {rate.name!r} still accelerates by "
         f"{stand.udot[worst]:.3g} {rate.unit}² at {where}, and {why}; start elsewhere (angles=…, or "
@@ -249,32 +256,15 @@ def _refusal(start: Stand, ended: Search) -> str:
     )
 
 
-def _notes(stand: Stand, found: Resistance, ended: Search, *, has_time: bool) -> tuple[str, ...]:
-    notes = []
-    if has_time:
-        notes.append(f"loads are those at t = {stand.rest.t:g} s, held still")
-    if not np.any(np.abs(found.stiffness) > 0.0) and len(found.stiffness):
-        notes.append("no load depends on the position: every position nearby is as good")
-    elif found.kind == "neutral":
-        notes.append("what is not held stays where the start had it")
-    if ended.way == "descended":
-        notes.append("found by descent: others may lie nearer to the start")
-    if stand.weakest < _CLOSE_TO_FADED:
-        notes.append(
-            f"an equation of the loops has faded to {stand.weakest:.1e} of the strongest: the position is near a "
-            "singular one, or a mechanism of very many loops is soft"
-        )
-    sizes = np.abs(np.linalg.eigvals(found.stiffness)) if len(found.stiffness) else np.ones(1)
-    if found.kind != "neutral" and sizes.min() < _SOFTEST * sizes.max():
-        notes.append(
-            f"the softest direction has {sizes.min() / sizes.max():.1e} of the largest stiffness over inertia"
-        )
-    return tuple(notes)
-
-
-def _apart(rest: Rest, q: Array, other: Array) -> float:
-    """Largest difference, rad, or of the size."""
-    units = [c.unit for c in rest.motion.model.coordinates]
-    size = rest.size or 1.0
-    scale = np.array([size if unit == "m" else 1.0 for unit in units])
-    return float(np.abs((q - other) / scale).max(initial=0.0))
+def _is_same(point: Equilibrium, other: Equilibrium) -> bool:
+    """Whether all bodies are at the same places, and equally strained: a hinge that nothing winds up may have made
+    turns, and a quaternion may be the other one of two."""
+    rest, model = point.stand.rest, point.motion.model
+    rows = np.vstack([rest.row(point.q), rest.row(other.q)])
+    here, there = rest.motion.poses(np.full(2, rest.t), rows)
+    apart = np.abs(here - there)
+    apart[:, :3] /= rest.size or 1.0
+    own = [k for k, c in enumerate(model.coordinates) if k >= len(model.joints) and "base." not in c.name]
+    deformed = np.abs(point.q[own] - other.q[own]).max(initial=0.0)
+    strained = abs(point.energy - other.energy) > SAME * max(abs(point.energy), abs(other.energy))
+    return bool(apart.max(initial=0.0) <= SAME and deformed <= SAME and not strained)

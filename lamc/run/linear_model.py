@@ -7,8 +7,9 @@ positions may be taken as it stands: what its turning would add is multiplied by
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, fields
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,14 +23,13 @@ from lamc.run.equilibrium import Equilibrium
 from lamc.run.linear_outputs import outputs_of
 from lamc.run.model import Motion, Unchanging
 from lamc.run.request import Array
-from lamc.run.ridders import derivative, derivative_any
+from lamc.run.ridders import derivative_any
 
 if TYPE_CHECKING:
     from scipy.signal import StateSpace
 
     from lamc.run.simulator import Simulator
 
-_WIDTH = 0.01  # rad, or of the size: of the widest difference of accelerations
 _CLOSED = 1e-13  # rad, or of the size: what a parameter may open the loops by
 
 
@@ -59,6 +59,9 @@ class LinearModel(Unchanging):
     offset: Array
     errors: Mapping[str, float]
     point: Equilibrium = field(repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), **{each.name: getattr(self, each.name) for each in fields(self)}), ()
 
     def __post_init__(self) -> None:
         for matrix in (self.A, self.B, self.C, self.D, self.offset):
@@ -135,20 +138,11 @@ def check_point(simulator: "Simulator", point: object) -> None:
 def system_of(stand: Stand, chart: Chart) -> tuple[Array, float]:
     """A (2k, 2k), and an estimate of its error; 0 where the model has exact derivatives."""
     k, own = len(chart.chosen), stand.tangent[list(chart.chosen)]
-    by_positions, by_rates, error = _derivatives(stand)
+    by_positions, by_rates, error = stand.slopes
     back = np.linalg.inv(own) if k else np.zeros((0, 0))
     lower = np.hstack([own @ by_positions @ back, own @ by_rates @ back])
     upper = np.hstack([np.zeros((k, k)), np.eye(k)])
     return np.vstack([upper, lower]), error
-
-
-def _derivatives(stand: Stand) -> tuple[Array, Array, float]:
-    """Of the accelerations along N by positions and by rates along N."""
-    if stand.rest.is_exact:
-        return (*stand.derivatives, 0.0)
-    k = len(stand.push)
-    both, error = derivative(stand.differenced, 0.0, stand.width(_WIDTH))
-    return both[:, :k], both[:, k:], error
 
 
 def _inputs(simulator: "Simulator", inputs: Sequence[str] | None) -> tuple[str, ...]:
@@ -206,9 +200,10 @@ class _Varied:
         self.value = float(stand.rest.motion.parameters[self._k])
 
     def motion(self, value: float) -> Motion:
-        parameters = self._stand.rest.motion.parameters.copy()
+        motion = self._stand.rest.motion
+        parameters = motion.parameters.copy()
         parameters[self._k] = value
-        return Motion(self._stand.rest.motion.model, parameters)
+        return Motion(motion.model, parameters, series=motion.following.series)
 
     def check_closed(self) -> None:
         """Raises RequestError for a parameter that opens the loops."""

@@ -146,6 +146,11 @@ def differentiated(
         tuple(n for n in asked if _is_dimension(simulator, n)),
     )
     starts = tuple(name for name in asked if name not in columns.names)
+    if simulator.model.has_clocks:
+        raise RequestError(
+            "a run with sensitivities takes no servo with a period: what is sampled is held, and its derivatives are "
+            "not carried along; leave the period out, or take differences of runs"
+        )
     model, keys = simulator.with_columns(columns)
     paces = {name: _pace(simulator, model, columns, keys, name) for name in columns.dimensions}
     motion = _motion(model, columns, keys, parameters, paces)

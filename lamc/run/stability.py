@@ -52,8 +52,11 @@ def is_symmetric(matrix: Array) -> bool:
 def resistance(stand: Stand) -> Resistance:
     """Of a stand where forces balance."""
     factor = stand.factor
-    stiffness = -stand.response
-    damping = np.asarray(-np.linalg.solve(factor, (factor.T @ stand.derivatives[1]).T).T, dtype=float)
+    by_positions, by_rates, _ = stand.slopes
+    stiffness, damping = (
+        np.asarray(-np.linalg.solve(factor, (factor.T @ slope).T).T, dtype=float)
+        for slope in (by_positions, by_rates)
+    )
     return Resistance(stiffness, damping, *_verdict(stiffness, damping))
 
 

@@ -20,14 +20,16 @@ EDGE = 1e-7  # rad, or of the size: closer than this, round-off says on which si
 _JUMP = (
     1e-3  # of the stiffness: smooth loads change by about EDGE over the edge, a contact by a part of itself
 )
-_INSTANTS = 64  # at which loads are looked at
+_INSTANTS = 512  # at which loads are looked at
 _ODD = 0.6180339887498949  # of the spacing: periodic loads have no period in common with it
 _SAME = 1e-12  # of the accelerations: round-off of the same sums
 
 
 def check_time(rest: Rest, q: Array, duration: float) -> None:
     """Raises RequestError where the loads at rest change within the duration, s."""
-    times = np.concatenate([[rest.t], duration * (np.arange(_INSTANTS) + _ODD) / _INSTANTS])
+    times = np.concatenate(
+        [[rest.t], duration * (np.arange(_INSTANTS) + _ODD) / _INSTANTS, *_extremes(rest, duration)]
+    )
     rows = np.repeat(rest.row(q), len(times), axis=0)
     found = rest.motion.accelerations(times, rows)
     changes = np.abs(found - found[0]).max(initial=0.0, where=np.isfinite(found))
@@ -38,6 +40,17 @@ def check_time(rest: Rest, q: Array, duration: float) -> None:
             f"rest changes within {duration:g} s), and nothing balances for good; give t=… (--at) to hold them as they "
             "are then, or leave the load out"
         )
+
+
+def _extremes(rest: Rest, duration: float) -> list[Array]:
+    """Where series that inputs follow are largest and smallest, (2,) each, s: a pulse may be short."""
+    found = []
+    for series in rest.motion.following.series:
+        within = (series.t >= 0.0) & (series.t <= duration)
+        if np.any(within):
+            values = np.where(within, series.values, np.nan)
+            found.append(series.t[[np.nanargmax(values), np.nanargmin(values)]])
+    return found
 
 
 def check_rank(stand: Stand) -> None:

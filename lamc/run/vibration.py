@@ -8,9 +8,10 @@ an eigenvalue of the projected Hessian over the inertia, both symmetric; else λ
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from functools import partial
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -104,6 +105,9 @@ class Modes(Unchanging):
     modes: tuple[Mode, ...]
     has_damping: bool
     simulator: "Simulator" = field(repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return partial(type(self), **{each.name: getattr(self, each.name) for each in fields(self)}), ()
 
     def __len__(self) -> int:
         return len(self.modes)

@@ -69,6 +69,10 @@ class Subject:
     targets: tuple[Target, ...]  # in the order of a point's values
     measures: Mapping[str, Measure]
 
+    def bench(self) -> "Bench":
+        """What works on its points."""
+        return Bench(self)
+
 
 @dataclass(frozen=True)
 class Row:

@@ -45,6 +45,7 @@ def gradients(problem: Problem, places: Array, edges: Edges) -> tuple[Array, Arr
     """Gradient (n,) of the cost and Jacobian (c, n) of the constraints along `edges`, by two points each. Entries that
     no points that make a run are there for are zero."""
     found = np.zeros((len(edges), 1 + len(problem.constraints)))
+    problem.ahead(_shifted(places, e, h) for e in edges for h in _two_sided(places[e], COARSE))
     for row, edge in enumerate(edges):
         offsets, values = _along(problem, places, edge, _two_sided(places[edge], COARSE))
         if len(offsets) >= 2:
@@ -57,6 +58,7 @@ def jacobian(problem: Problem, places: Array, edges: Edges) -> Array:
     middle = problem.at(places).residual
     assert middle is not None
     found = np.zeros((len(middle), len(edges)))
+    problem.ahead(_shifted(places, e, h) for e in edges for h in _two_sided(places[e], COARSE))
     for column, edge in enumerate(edges):
         trials = [(h, _moved(problem, places, edge, h)) for h in _two_sided(places[edge], COARSE)]
         good = [
@@ -75,9 +77,11 @@ def noise_of(problem: Problem, places: Array, edges: Edges) -> float:
         return 0.0
     inwards = np.where(places[edges] < 0.5, 1.0, -1.0)
     costs = []
-    for k in range(7):
-        at = places.copy()
+    row = [places.copy() for _ in range(7)]
+    for k, at in enumerate(row):
         at[edges] += k * _CLOSE * inwards
+    problem.ahead(row)
+    for at in row:
         trial = problem.at(at)
         if trial.is_ok:
             costs.append(problem.cost(trial) / problem.size)
@@ -91,6 +95,7 @@ def slopes(problem: Problem, places: Array, edges: Edges, noise: float) -> Slope
     n, c = len(edges), 1 + len(problem.constraints)
     first, second = np.zeros((n, c)), np.zeros((n, n, c))
     middle = _values(problem, problem.at(places))
+    problem.ahead(_shifted(places, edge, h) for edge in edges for h in _five(places[edge]))
     for i, edge in enumerate(edges):
         offsets, values = _along(problem, places, edge, _five(places[edge]))
         if len(offsets) < 5:
@@ -129,10 +134,14 @@ def _values(problem: Problem, trial: Trial) -> Array:
     return np.array([problem.cost(trial) / problem.size, *problem.violations(trial)])
 
 
-def _moved(problem: Problem, places: Array, edge: int, step: float) -> Trial:
+def _shifted(places: Array, edge: int, step: float) -> Array:
     at = places.copy()
-    at[edge] = min(max(at[edge] + step, 0.0), 1.0)
-    return problem.at(at)
+    at[edge] = min(max(at[edge] + float(step), 0.0), 1.0)
+    return at
+
+
+def _moved(problem: Problem, places: Array, edge: int, step: float) -> Trial:
+    return problem.at(_shifted(places, edge, step))
 
 
 def _along(problem: Problem, places: Array, edge: int, offsets: Array) -> tuple[Array, Array]:

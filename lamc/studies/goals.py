@@ -6,7 +6,8 @@ In: text such as "rms(tip.z - 5 mm)" and "max(abs(h1)) < 60 deg", or functions o
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -42,6 +43,11 @@ class Goal:
     function: Callable[[Result], object] | None = None
     is_root: bool = False
     parts: tuple[Term, ...] = field(default=(), repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Terms hold functions: they are read again."""
+        known = (self.text, self.unit, self.times, self.measure, self.function, self.is_root)
+        return _goal_again, (*known, bool(self.parts))
 
     @property
     def is_squares(self) -> bool:
@@ -86,6 +92,17 @@ def goal_of(given: object, outputs: Outputs) -> Goal:
         )
     name = getattr(function, "__qualname__", type(function).__name__)
     return Goal(name, unit_of(unit).text, function=function)
+
+
+def _goal_again(*given: Any) -> Goal:
+    """A goal that has travelled."""
+    *known, has_parts = given
+    made = Goal(*known)
+    return (
+        replace(made, parts=_squares(made.text, made.measure.known)[1])
+        if has_parts and made.measure
+        else made
+    )
 
 
 def constraints_of(given: object, outputs: Outputs) -> tuple[Constraint, ...]:

@@ -45,6 +45,7 @@ def optimise(
     max_steps: int = 1_000_000,
     parameters: Mapping[str, float | str] = NO_PARAMETERS,
     options: CompileOptions | None = None,
+    workers: int | None = None,
     out: str | PathLike[str] | None = None,
     resume: str | PathLike[str] | None = None,
     progress: Told | bool | None = None,
@@ -67,6 +68,9 @@ def optimise(
     starts   how many, the others the best of a Latin hypercube, by seed; evolution looks everywhere from one
     max_runs after which it ends with what it has
     rtol, atol  tighter than a run's own: a place is found by differences of runs
+    workers  processes that run generations, several starts and slopes; None: as many as processors, or one where a
+             function of yours is in no module of its own. They begin where the search takes more than half a second.
+             What is found, and in what order, does not depend on it
     out      a folder that runs are written to as they come; resume: the same, and runs that are there already are
              not made again (but those of least squares)
     progress called with (runs made, runs granted); True: a bar
@@ -80,7 +84,9 @@ def optimise(
     run = RunOptions(t_end, rtol, atol, max_step, integrator, rows, max_steps, dict(parameters))
     search = search_of(design, vary, minimise, subject_to, scene, run=run, options=options)
     search = search.asked(method, start, starts, seed, max_runs)
+    count = search.workers(workers)
     folder = resume if resume is not None else out
     with bar("optimise") if progress is True else nullcontext((None, None)) as (_, part):
         told = progress if callable(progress) else part
-        return search.run(None if folder is None else Path(folder), resume=resume is not None, progress=told)
+        place = None if folder is None else Path(folder)
+        return search.run(place, count, resume=resume is not None, progress=told)

@@ -6,7 +6,7 @@ history as a Dataset, a CSV file, netCDF. It runs nothing but the best once more
 
 import csv
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,6 +23,7 @@ from lamc.studies.space import Value
 from lamc.studies.structures import Numbers, numbered
 from lamc.studies.table import need_xarray
 from lamc.studies.targets import Made
+from lamc.studies.trier import Trier
 
 if TYPE_CHECKING:
     import xarray
@@ -66,7 +67,7 @@ class Best:
     units: Mapping[str, str]
     constraints: Mapping[str, float]
     problem: Problem = field(repr=False)
-    design_of: Callable[[tuple[float, ...]], Made] = field(repr=False)
+    trier: Trier = field(repr=False)
     point: tuple[float, ...] = field(repr=False)
     method: str = ""
     interrupted: bool = False
@@ -80,12 +81,12 @@ class Best:
     @property
     def result(self) -> Result:
         """The run of the best, made once more."""
-        return self.problem.run(self.point)
+        return self.trier.result(self.point)
 
     @property
     def design(self) -> Made:
         """The design with the best dimensions."""
-        return self.design_of(self.point)
+        return self.trier.design(self.point)
 
     @property
     def structures(self) -> Numbers:

@@ -7,17 +7,19 @@ What a trial gives depends on nothing but its point. Never: decides where to go.
 
 import math
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from threading import Thread
 
 import numpy as np
 
-from lamc.basics.errors import BuildError, LamcError
-from lamc.run.request import Array, Status
-from lamc.run.result import Result
-from lamc.studies.bench import ERROR, FAILED, OK, REFUSED, UNDEFINED, Row, without_values
+from lamc.run.request import Array
+from lamc.studies.bench import OK, Row
+from lamc.studies.crew import Crew
 from lamc.studies.goals import Constraint, Goal
 from lamc.studies.space import Space
+from lamc.studies.trier import renumbered
 
 FEASIBLE = 1e-8  # of a constraint's own size: what is violated by less holds, as runs are not known better
 _CEILING = 1e3  # of a value's own size: what trials cost that violate a constraint, or that make no run
@@ -60,9 +62,10 @@ class Problem:
     space: Space
     goals: tuple[Goal, ...]
     constraints: tuple[Constraint, ...]
-    run: Callable[[tuple[float, ...]], Result]
+    work: Callable[[int, tuple[float, ...]], Row]  # a row of a number, of a point; as of `Trier.row`
     most: int  # runs
-    structure: Callable[[tuple[float, ...]], str] = lambda _: ""  # of the point that was run last
+    crew: Callable[[], Crew | None] = lambda: None  # who else answers for points, once there is somebody
+    found: dict[tuple[float, ...], Row] = field(default_factory=dict)  # what the crew has answered
     told: Callable[["Problem"], None] = lambda _: None
     keep: Callable[[Row], None] = lambda _: None
     known: dict[int, Row] = field(default_factory=dict)  # rows of a folder, by number
@@ -97,23 +100,66 @@ class Problem:
             self.told(self)
         return found
 
+    def ahead(self, places: Iterable[Array]) -> None:
+        """Lets the crew answer for places that will be asked for; without one nothing is done. Trials, and their order,
+        are the same."""
+        crew = self.crew()
+        if crew is None:
+            return
+        points = dict.fromkeys(self.space.point(each) for each in places)
+        new = [each for each in points if each not in self._by_point and each not in self.found]
+        new = [each for k, each in enumerate(new) if not self._is_kept(len(self.trials) + k, each)]
+        new = new[: max(self.most - len(self.trials), 0)]
+        if len(new) > 1:
+            self.found.update(zip(new, crew.rows(new), strict=True))
+
+    def side_by_side(self, works: Sequence[Callable[["Problem"], object]]) -> None:
+        """Lets the crew go through works of this problem, all at a time, each in a copy of its own; what they come to
+        is not looked at, but the points that they ask for are answered when this problem is asked for them."""
+        crew = self.crew()
+        if crew is None or len(works) < 2:
+            return
+        threads = [Thread(target=_gone_through, args=(work, self._copy(crew)), daemon=True) for work in works]
+        try:
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        except KeyboardInterrupt:
+            crew.stop()  # which lets go of the threads
+            raise
+
+    def _copy(self, crew: Crew) -> "Problem":
+        """One that asks a crew, and keeps what it answers where this one finds it."""
+
+        def work(_index: int, point: tuple[float, ...]) -> Row:
+            (self.found[point],) = crew.rows([point])
+            return self.found[point]
+
+        made = replace(self, work=work, told=lambda _: None, keep=lambda _: None, trials=list(self.trials))
+        made._by_point, made.sizes = dict(self._by_point), self.sizes
+        return made
+
     def _made(self, point: tuple[float, ...]) -> Trial:
-        row, residual = self._worked(len(self.trials), point)
-        row = replace(row, structure=self.structure(point))
+        index = len(self.trials)
+        row = renumbered(self.found.get(point) or self.work(index, point), index)
         there = self.known.get(row.index)
         if there is None or there.values[: len(point)] != point:
             self.keep(replace(row, values=(*point, *row.values)))
-        return self._trial(row, point, residual)
+        return self._trial(row, point, row.residual)
+
+    def _is_kept(self, index: int, point: tuple[float, ...]) -> bool:
+        """Whether the folder has what a trial comes to; what has residuals is run again."""
+        row = self.known.get(index)
+        has_residual = len(self.goals) == 1 and self._has_residual()
+        return row is not None and row.values[: len(point)] == point and not has_residual
 
     def _kept(self, point: tuple[float, ...]) -> Trial | None:
-        """From the folder, where the same was tried as the same one; what has residuals is run again."""
-        row = self.known.get(len(self.trials))
-        if (
-            row is None
-            or row.values[: len(point)] != point
-            or (len(self.goals) == 1 and self._has_residual())
-        ):
+        """From the folder, where the same was tried as the same one."""
+        index = len(self.trials)
+        if not self._is_kept(index, point):
             return None
+        row = self.known[index]
         return self._trial(replace(row, values=row.values[len(point) :]), point, None)
 
     def _has_residual(self) -> bool:
@@ -132,38 +178,6 @@ class Problem:
             self.stage,
             row.structure,
         )
-
-    def _worked(self, index: int, point: tuple[float, ...]) -> tuple[Row, Array | None]:
-        count = len(self.goals) + len(self.constraints)
-        try:
-            result = self.run(point)
-            if result.status == Status.CANCELLED:
-                raise KeyboardInterrupt
-            if not result.success:
-                return without_values(index, FAILED, result.message, count), None
-            given = self.space.numbers(point)
-            found = [goal.of(result, given) for goal in self.goals]
-            values = (
-                *(each[0] for each in found),
-                *(c.measure.value(result, given) for c in self.constraints),
-            )
-        except BuildError:
-            raise
-        except LamcError as error:
-            return without_values(index, REFUSED, error.message, count), None
-        except Exception as error:  # of a function that the user gave; it shall not end the search
-            return without_values(index, ERROR, f"{type(error).__name__}: {error}", count), None
-        names = [*(goal.text for goal in self.goals), *(each.text for each in self.constraints)]
-        undefined = [
-            f"{name!r} is {value}"
-            for name, value in zip(names, values, strict=True)
-            if not math.isfinite(value)
-        ]
-        residual = found[0][1]
-        if not undefined and residual is not None and not np.isfinite(residual).all():
-            undefined.append(f"{self.goal.text!r} has residuals that are not finite")
-        residual = None if undefined else residual
-        return Row(index, UNDEFINED if undefined else OK, ", ".join(undefined), values), residual
 
     def settle_sizes(self) -> None:
         """Takes the sizes of costs and constraints from the trials that there are."""
@@ -217,3 +231,9 @@ class Problem:
         """Why trials made no run, the most frequent first."""
         counts = Counter((trial.status, trial.reason) for trial in self.trials if not trial.is_ok)
         return "; ".join(f"{status} ({count}): {reason}" for (status, reason), count in counts.most_common(2))
+
+
+def _gone_through(work: Callable[[Problem], object], problem: Problem) -> None:
+    """To its end, or to where it fails, which the problem itself will meet too."""
+    with suppress(Exception):
+        work(problem)

@@ -19,8 +19,8 @@ from lamc.codegen.options import CompileOptions
 from lamc.records.family import Family
 from lamc.records.parameters import DesignParameter
 from lamc.run.parameters import checked_parameters
-from lamc.run.result import Result
 from lamc.studies.bench import Bench, Row, RunOptions, Subject
+from lamc.studies.crew import Hands
 from lamc.studies.goals import Constraint, Goal, constraints_of, goal_of
 from lamc.studies.identity import digest_of
 from lamc.studies.making import AS_EVER, SceneGiven, named_scene
@@ -30,10 +30,9 @@ from lamc.studies.problem import Problem
 from lamc.studies.space import Space, Value, axis_values, space_of, words_of
 from lamc.studies.storage import opened, rows_of
 from lamc.studies.strategy import METHODS, Strategy, default_method
-from lamc.studies.study import Progress, quietly
-from lamc.studies.targets import Made, Studied, Target, family_of, known_target, made, targets_of
-
-Words = tuple[str, ...]
+from lamc.studies.study import ALONE, Progress, pickled, quietly, workers_of
+from lamc.studies.targets import Made, Studied, Target, family_of, known_target, targets_of
+from lamc.studies.trier import Trier, Words
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +47,6 @@ class Search:
     name: str
     strategy: Strategy = field(default_factory=Strategy)
     max_runs: int = 5000
-    _benches: dict[Words, Bench] = field(default_factory=dict)
 
     def asked(
         self, method: str, start: Mapping[str, float | str] | None, starts: int, seed: int, max_runs: int
@@ -60,17 +58,26 @@ class Search:
         strategy = Strategy(_method(method, self), starts, seed)
         return replace(self, strategy=strategy, start=_start(self, start or {}), max_runs=max_runs)
 
-    def run(self, folder: Path | None, *, resume: bool = False, progress: Progress | None = None) -> Best:
-        """The best. Raises SimulationError if no run goes well, RequestError for a folder of another search, and
-        what no run can do without, such as BuildError."""
-        with self._store(folder, resume) as (known, keep), quietly():
-            problem = Problem(
-                self.space, self.goals, self.constraints, self.result, self.max_runs, self.structure
-            )
+    def run(
+        self,
+        folder: Path | None,
+        workers: int = 1,
+        *,
+        resume: bool = False,
+        progress: Progress | None = None,
+        alone: float = ALONE,
+    ) -> Best:
+        """The best, the same whatever the number of workers; they begin after `alone` s of work. Raises
+        SimulationError if no run goes well, RequestError for a folder of another search, and what no run can do
+        without, such as BuildError."""
+        trier = self._trier()
+        hands = Hands(trier, trier.width, workers, alone)
+        with self._store(folder, resume) as (known, keep), quietly(), hands:
+            problem = Problem(self.space, self.goals, self.constraints, trier.row, self.max_runs, hands.crew)
             problem.known, problem.keep = known, keep
             if progress is not None:
                 problem.told = lambda of: progress(len(of.trials), of.most)
-            found = self.strategy.best(problem, self.space.places(self.start), self.design)
+            found = self.strategy.best(problem, self.space.places(self.start), trier)
         if found is None:
             raise SimulationError(
                 f"no run went well, of {len(problem.trials)}: {problem.reasons() or 'interrupted'}"
@@ -110,31 +117,19 @@ class Search:
             "compiler": repr(subject.options),
         }
 
-    def result(self, point: tuple[float, ...]) -> Result:
-        """The run of a point. Raises LamcError where there is none."""
-        words, numbers = self._parted(point)
-        bench = self._benches.setdefault(words, Bench(self.subjects[words]))
-        return bench.result(numbers)
+    def workers(self, wanted: int | None) -> int:
+        """How many processes: None: as many as processors, or one if the search cannot travel. Raises RequestError."""
+        if wanted is None:
+            try:
+                pickled(self._trier())
+            except RequestError:
+                return 1
+        elif wanted != 1:
+            pickled(self._trier())
+        return workers_of(wanted)
 
-    def structure(self, point: tuple[float, ...]) -> str:
-        """As of `Row`, of the point that was run last."""
-        words, numbers = self._parted(point)
-        bench = self._benches.get(words)
-        return "" if bench is None else bench.structure(numbers)
-
-    def design(self, point: tuple[float, ...]) -> Made:
-        """The design of a point."""
-        words, numbers = self._parted(point)
-        subject = self.subjects[words]
-        own = zip(subject.targets, numbers, strict=True)
-        return made(subject.design, {t.name: v for t, v in own if t.kind == "dimension"})
-
-    def _parted(self, point: tuple[float, ...]) -> tuple[Words, tuple[float, ...]]:
-        both = list(zip(self.space.variables, point, strict=True))
-        return (
-            tuple(str(v.told(x)) for v, x in both if v.has_words),
-            tuple(x for v, x in both if not v.has_words),
-        )
+    def _trier(self) -> Trier:
+        return Trier(self.subjects, self.space, self.goals, self.constraints)
 
 
 def search_of(

@@ -3,8 +3,9 @@
 In: a problem and a start. Out: a `Best`. It sequences methods, the last digits and the verdict; none of them is here.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from lamc.studies.goals import Goal
 from lamc.studies.optimum import Best, active_of, curvature_of, known_of, moves_of
 from lamc.studies.problem import Problem, SpentError, Trial
 from lamc.studies.refinement import Optimum, refined
-from lamc.studies.targets import Made
+from lamc.studies.trier import Trier
 from lamc.studies.verdict import Verdict, verdict_of
 
 METHODS: Mapping[str, bool] = {  # whether it takes whole numbers and choices
@@ -46,9 +47,7 @@ class Strategy:
     starts: int = 5
     seed: int = 0
 
-    def best(
-        self, problem: Problem, start: Array, design: Callable[[tuple[float, ...]], Made]
-    ) -> Best | None:
+    def best(self, problem: Problem, start: Array, trier: Trier) -> Best | None:
         """The best that is found before runs are spent, or the user stops it; None if no run went well."""
         walk = _Walk(self, problem, start)
         stopped = ""
@@ -64,7 +63,7 @@ class Strategy:
         optimum, verdict = walk.optimum, walk.verdict
         if stopped or verdict is None:
             verdict, optimum = Verdict(False, stopped), None
-        return self._told(problem, optimum, verdict, best, walk, design)
+        return self._told(problem, optimum, verdict, best, walk, trier)
 
     def _told(
         self,
@@ -73,7 +72,7 @@ class Strategy:
         verdict: Verdict,
         best: Trial,
         walk: "_Walk",
-        design: Callable[[tuple[float, ...]], Made],
+        trier: Trier,
     ) -> Best:
         at = verdict.lower or (problem.at(optimum.places) if optimum is not None else best)
         if walk.front is not None and walk.chosen is not None:
@@ -98,7 +97,7 @@ class Strategy:
             units={each.name: each.unit for each in problem.space.variables},
             constraints={c.text: v for c, v in zip(problem.constraints, at.constraints, strict=True)},
             problem=problem,
-            design_of=design,
+            trier=trier,
             point=at.point,
             method=self.method,
             interrupted=verdict.message == "interrupted",
@@ -146,10 +145,12 @@ class _Walk:
         problem.stage = "look around"
         cube = qmc.LatinHypercube(len(self.start), rng=np.random.default_rng(strategy.seed))
         looked = [np.asarray(each) for each in cube.random(_LOOKED * strategy.starts)]
+        problem.ahead(looked)
         for each in looked:
             problem.at(each)
         if problem.best() is None:
             looked += [np.asarray(each) for each in cube.random(_MORE)]
+            problem.ahead(looked)
             for each in looked:
                 problem.at(each)
         problem.settle_sizes()
@@ -172,30 +173,31 @@ class _Walk:
             found = search(problem, best, strategy.seed)
             problem.stage = "downhill"
             return [self._downhill(found)]
+        problem.side_by_side([partial(self._downhill, start) for start in starts])
         ends = []
         for k, start in enumerate(starts):
             problem.stage = f"start {k + 1}"
             ends.append(self._downhill(start))
         return ends
 
-    def _downhill(self, start: Array) -> Array:
-        """Where a method for real numbers leads; of searches in the whole box, that which suits the goal."""
+    def _downhill(self, start: Array, problem: Problem | None = None) -> Array:
+        """Where a method for real numbers leads; of searches in the whole box, that which suits the goal. problem:
+        another than its own."""
         from lamc.studies.optimisers import local
 
-        if not len(self.problem.space.real):
+        problem = problem or self.problem
+        if not len(problem.space.real):
             return start
         method = self.strategy.method
         if METHODS[method]:
-            method = default_method(
-                self.problem.goal, has_levels=False, is_subject=bool(self.problem.constraints)
-            )
+            method = default_method(problem.goal, has_levels=False, is_subject=bool(problem.constraints))
         ways = {
             "least-squares": local.least_squares,
             "slsqp": local.slsqp,
             "trust-constr": local.trust_constr,
             "nelder-mead": local.nelder_mead,
         }
-        return ways[method](self.problem, start)
+        return ways[method](problem, start)
 
     def _settle(self, at: Array) -> None:
         """The last digits, and the verdict on them."""

@@ -186,16 +186,7 @@ class Study:
 
     def pickled(self) -> bytes:
         """The subject for another process. Raises RequestError if it cannot travel."""
-        try:
-            found = pickle.dumps(self.subject)
-            if b"__main__" in found:  # which is another module there
-                raise TypeError("functions or classes of it are of the program itself")
-        except Exception as error:  # pickle fails in many ways, all meaning the same here
-            raise RequestError(
-                f"what is studied cannot be given to other processes ({type(error).__name__}: {error}); put functions "
-                "into a module of their own, or take workers=1"
-            ) from error
-        return found
+        return pickled(self.subject)
 
     def workers(self, wanted: int | None) -> int:
         """How many processes: None: as many as processors, or one if the subject cannot travel. Raises RequestError."""
@@ -207,6 +198,20 @@ class Study:
         elif wanted != 1:
             self.pickled()
         return workers_of(wanted)
+
+
+def pickled(what: object) -> bytes:
+    """For another process. Raises RequestError for what cannot travel."""
+    try:
+        found = pickle.dumps(what)
+        if b"__main__" in found:  # which is another module there
+            raise TypeError("functions or classes of it are of the program itself")
+    except Exception as error:  # pickle fails in many ways, all meaning the same here
+        raise RequestError(
+            f"what is studied cannot be given to other processes ({type(error).__name__}: {error}); put functions "
+            "into a module of their own, or take workers=1"
+        ) from error
+    return found
 
 
 @contextmanager

@@ -6,8 +6,11 @@ same bytes, in whatever order they came. Never: runs anything.
 
 import csv
 import math
+import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -128,12 +131,24 @@ class Table:
         return path
 
     def write_zarr(self, path: Path) -> Path:
-        """A zarr folder, in the place of one that is there. Raises LamcError without xarray and zarr."""
-        dataset = self.dataset()
+        """A zarr folder (format 2, which all readers of zarr know), in the place of one that is there. Raises LamcError
+        without xarray and zarr."""
+        need_zarr()
+        dataset = _renamed(self.dataset())
+        fresh = path.with_name(f".{path.name}.new")
         try:
-            dataset.to_zarr(path, mode="w")
-        except ImportError as error:
-            raise LamcError("a zarr folder needs zarr: pip install zarr; or write netcdf") from error
+            shutil.rmtree(fresh, ignore_errors=True)
+            newer = (
+                "zarr_format" in signature(dataset.to_zarr).parameters
+            )  # older ones write format 2 and no other
+            more: dict[str, Any] = {"zarr_format": 2} if newer else {}
+            dataset.to_zarr(fresh, mode="w", consolidated=True, **more)
+            shutil.rmtree(path, ignore_errors=True)
+            fresh.replace(path)
+        except OSError as error:
+            raise LamcError(f"{str(path)!r} cannot be written: {error.strerror or error}") from error
+        finally:
+            shutil.rmtree(fresh, ignore_errors=True)
         return path
 
 
@@ -146,8 +161,17 @@ def need_xarray() -> Any:
     return xarray
 
 
+def need_zarr() -> None:
+    """LamcError with what to install, where a zarr folder cannot be written."""
+    need_xarray()
+    try:
+        import_module("zarr")  # optional, and slow to load
+    except ImportError as error:
+        raise LamcError("a zarr folder needs zarr: pip install zarr; or write netcdf") from error
+
+
 def _renamed(dataset: "xarray.Dataset") -> "xarray.Dataset":
-    """With names that netCDF takes: it has no /, and the whole name becomes an attribute."""
+    """With names that netCDF and zarr take: / parts their groups, and the whole name becomes an attribute."""
     names = {str(name): str(name).replace("/", "÷") for name in dataset.variables if "/" in str(name)}
     for name in names:
         dataset[name].attrs["long_name"] = name

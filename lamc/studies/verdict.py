@@ -35,7 +35,9 @@ def verdict_of(problem: Problem, optimum: Optimum) -> Verdict:
         return Verdict(
             False, f"no point was found that keeps to the constraints: {_violated(problem, middle)}"
         )
-    beside = [(places, problem.at(places)) for places in _beside(problem, optimum.places)]
+    around = list(_beside(problem, optimum.places))
+    problem.ahead(around)
+    beside = [(places, problem.at(places)) for places in around]
     slack = _slack(optimum)
     lower = [
         (places, trial) for places, trial in beside if problem.merit(trial) < problem.merit(middle) - slack

@@ -1,7 +1,8 @@
 """A process that works on points for another: `python -c "from lamc.studies.worker import serve; serve()"`.
 
-On stdin come pickles: the search path, the subject, then lists of (number, point). On stdout go pickles: READY, then a
-`Row` for each point in its order, or the exception that ends the study. Whatever else prints on stdout goes to stderr.
+On stdin come pickles: the search path, the subject (its `bench` is what works), then lists of (number, point). On
+stdout go pickles: READY, then a `Row` for each point in its order, or the exception that ends the study. Whatever else
+prints on stdout goes to stderr.
 It ends when stdin does, and leaves Ctrl-C to the process that started it.
 """
 
@@ -29,10 +30,9 @@ def serve() -> None:
     try:
         sys.path[:] = pickle.load(questions)
         from lamc.basics.errors import DesignWarning  # found by this path
-        from lamc.studies.bench import Bench
 
         warnings.simplefilter("ignore", DesignWarning)
-        bench = Bench(pickle.loads(pickle.load(questions)))
+        bench = pickle.loads(pickle.load(questions)).bench()
         answer(READY)
     except Exception as error:
         answer(RuntimeError(f"{type(error).__name__}: {error}"))

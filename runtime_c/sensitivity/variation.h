@@ -83,6 +83,7 @@ static inline void lamc_minus_along(const variation *v, int count, const lamc_re
 static inline int lamc_vary_prepare(const lamc_sensitivity *s, const variation *v, lamc_real t,
                                     const lamc_real *y, const lamc_real *known) {
   const lamc_model *model = s->motion.model;
+  lamc_series_put(&s->beside, t);
   if (model->cut_count > 0) return lamc_loops_acceleration(&s->beside, t, y, y + v->nq, v->udot, v->lambda);
   if (lamc_is_system(model)) {
     lamc_motion_accelerate(&s->beside, t, y, y + v->nq, v->udot);

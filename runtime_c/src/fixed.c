@@ -6,6 +6,8 @@
  * eigenvalue up to 2.8: of the methods of order 4 and more, none takes fewer. Beyond, stiff.c. */
 #include "fixed.h"
 
+static const lamc_real BESIDE = LAMC_R(1e-6); /* of a step: a break so near to its end is there */
+
 long long lamc_fixed_guards(const lamc_ode *ode) {
   return 2LL * ode->guard_count;
 }
@@ -27,7 +29,7 @@ static lamc_status meet(const lamc_ode *ode, lamc_real t, lamc_real *y, lamc_rea
   return met > 0 ? ode->event(ode->context, t, y, guards) : LAMC_OK;
 }
 
-void lamc_fixed_begin(const lamc_ode *ode, lamc_real t, const lamc_real *y) {
+void lamc_fixed_review(const lamc_ode *ode, lamc_real t, const lamc_real *y) {
   if (ode->guard_count > 0 && ode->review != NULL) ode->review(ode->context, t, y);
 }
 
@@ -37,12 +39,31 @@ lamc_status lamc_fixed_end(const lamc_ode *ode, lamc_real t, lamc_real *y, lamc_
   return status == LAMC_OK && ode->guard_count > 0 ? meet(ode, t, y, guards) : status;
 }
 
+lamc_real lamc_fixed_begin(const lamc_ode *ode, lamc_real t, lamc_real h) {
+  if (ode->pass == NULL || !(h > 0)) return t;
+  const lamc_real near = BESIDE * h + 4 * LAMC_EPSILON * fabs(t); /* steps are counted up with round-off */
+  long long low = 0, high = ode->break_count;
+  while (low < high) {
+    const long long middle = low + (high - low) / 2;
+    if (ode->breaks[middle] > t + near) {
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
+  }
+  const int is_end = low < ode->break_count && fabs(ode->breaks[low] - (t + h)) <= near;
+  ode->pass(ode->context, is_end ? low : ode->break_count);
+  const lamc_real before = low > 0 ? ode->breaks[low - 1] : t;
+  return before > t ? before : t;
+}
+
 lamc_status lamc_fixed_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_real *y, lamc_real *scratch) {
   const int n = ode->n;
+  const lamc_real begin = lamc_fixed_begin(ode, t, h);
   lamc_real *slope = scratch, *stage = slope + n, *sum = stage + n, *guards = sum + n;
   lamc_real size = 0, slopes = 0;
-  lamc_fixed_begin(ode, t, y);
-  ode->rhs(ode->context, t, y, slope);
+  lamc_fixed_review(ode, begin, y);
+  ode->rhs(ode->context, begin, y, slope);
   for (int i = 0; i < n; i++) {
     sum[i] = slope[i];
     stage[i] = y[i] + LAMC_R(0.5) * h * slope[i];

@@ -12,7 +12,8 @@
 
 #include <stddef.h>
 
-static const lamc_real SLACK = LAMC_R(1e-9); /* of the table: a step's end may lie beyond it by round-off */
+/* Of the table: the end of a step may lie beyond it by the round-off of many steps */
+static const lamc_real SLACK = LAMC_R(1e-9) + 256 * LAMC_EPSILON;
 
 long long lamc_series_work(const lamc_model *model) {
   return model->series_count > 0 ? 1 : 0;

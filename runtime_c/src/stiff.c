@@ -27,12 +27,12 @@ lamc_status lamc_stiff_step(const lamc_ode *ode, lamc_real t, lamc_real h, lamc_
   memset(scratch, 0, (size_t)size * sizeof *scratch);
   run.ode = *ode;
   run.options.rtol = run.options.atol = 1; /* of an error that is not looked at */
-  run.t = t;
   run.stride = padded(ode->n);
   run.work = scratch;
   memcpy(y_here(&run), y, bytes);
-  lamc_fixed_begin(ode, t, y);
-  evaluate(&run, t, y, slope_here(&run));
+  run.t = lamc_fixed_begin(ode, t, h);
+  lamc_fixed_review(ode, run.t, y);
+  evaluate(&run, run.t, y, slope_here(&run));
   if (!all_finite(&run, slope_here(&run))) return LAMC_NOT_FINITE;
   const lamc_real squared = lamc_method_rodas5p.attempt(&run, h);
   memcpy(y, y_there(&run), bytes);

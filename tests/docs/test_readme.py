@@ -51,7 +51,7 @@ def folder(tmp_path: Path) -> Path:
     drawn = re.findall(r"`(\w+\.(?:fold|svg|yaml))`:\n\n```\n(.*?)^```$", WHOLE, re.DOTALL | re.MULTILINE)
     for name, text in drawn:
         (tmp_path / name).write_text(text, encoding="utf-8")
-    for linked in re.findall(r"\]\(\.\./(\w+\.dxf)\)", WHOLE):
+    for linked in re.findall(r"\]\(\.\./(\w+\.(?:dxf|csv))\)", WHOLE):
         shutil.copy(ROOT / "docs" / linked, tmp_path)
     for name, copies in re.findall(r"lamc plate --example (\S+) --copy ([^\s`]+)", WHOLE):
         (tmp_path / copies).mkdir(exist_ok=True)

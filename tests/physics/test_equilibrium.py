@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -28,7 +29,7 @@ from lamc import (
 from lamc.commands.examples import mechanism_of_example
 from lamc.examples import find
 from tests.support.ctools import needs_cc
-from tests.support.mechanisms import chain, unit_plate_pendulum
+from tests.support.mechanisms import chain
 
 pytestmark = needs_cc
 
@@ -227,13 +228,45 @@ def test_a_stop_that_yields_is_part_of_the_stiffness() -> None:
     assert found.stiffnesses == pytest.approx([stiffness / (1e-2 + 0.18)], rel=1e-9)
 
 
-def test_a_follower_load_is_judged_by_eigenvalues() -> None:
-    """Ziegler's column: a force along the last link has no potential, and makes it flutter."""
-    mechanism, _ = unit_plate_pendulum()
-    sim = lamc.compile(
-        mechanism, Scene(effects=(HingeStiffness(), HingeDamping(), Torque({"h0": "0.5*cos(angle)"})))
+class Follower(lamc.Effect):
+    """Pushes the tip of the second rod along that rod, which has no potential."""
+
+    name: ClassVar[str] = "follower"
+    summary: ClassVar[str] = "A force along the last rod"
+
+    def contribute(self, loads: Any) -> None:
+        push = loads.parameter("follower.push", 1.0, "N", "force along the rod")
+        tip, elbow = (loads.position("second", (x, 0.0, 0.0)) for x in (1.0, 0.5))
+        along = [2.0 * (a - b) for a, b in zip(tip, elbow, strict=True)]
+        loads.force("second", (1.0, 0.0, 0.0), [-push * x for x in along])
+
+
+def test_zieglers_column_flutters_where_its_closed_form_says() -> None:
+    """Rods of l = 0.5 m with 2 m at the elbow and m at the tip, springs k: P = (7/2 - √2) k / l (H. Ziegler, Die
+    Stabilitätskriterien der Elastomechanik, Ingenieur-Archiv 20, 1952). With hardly any inertia of their own."""
+    k, length, small = 3.0, 0.5, 1e-9
+    bodies = (
+        Body("wall", fixed=True),
+        Body("first", 2.0, (length, 0.0, 0.0), small * np.eye(3)),
+        Body("second", 1.0, (2.0 * length, 0.0, 0.0), small * np.eye(3)),
     )
-    assert sim.equilibrium().criterion == "projected Hessian"  # a torque of its own joint has a potential
+    joints = (
+        Joint("root", "wall", "first", axis=Z, stiffness=k),
+        Joint("elbow", "first", "second", point=(length, 0.0, 0.0), axis=Z, stiffness=k),
+    )
+    sim = lamc.compile(Mechanism(bodies, joints), Scene(effects=(HingeStiffness(), Follower())))
+    critical = (3.5 - math.sqrt(2.0)) * k / length
+    for share, kind in (
+        (0.999, "neutral"),
+        (1.001, "unstable"),
+    ):  # it vibrates on, without damping; it flutters
+        point = sim.equilibrium(parameters={"follower.push": share * critical})
+        assert point.angles["root"] == pytest.approx(0.0, abs=NEAR)
+        assert point.criterion == "eigenvalues"
+        assert point.kind == kind
+        assert "not conservative" in point.reason
+    growing = sim.modes(point).modes
+    assert any(mode.kind == "vibration" and mode.damping < 0.0 for mode in growing)
 
 
 def test_with_no_stiffness_every_place_is_as_good() -> None:
@@ -322,3 +355,42 @@ def test_a_flat_scene_has_other_starts_too() -> None:
     assert sim.pushed_branch is not None
     many = sim.ensemble(1e-3, angles={"c1": np.array([0.0, 0.4])})
     assert many.q[1, 0, sim.joints.index("c1")] == pytest.approx(0.4, abs=1e-12)
+
+
+def test_whole_turns_of_what_nothing_winds_up_are_the_same_place() -> None:
+    sim = lamc.compile(bar(), Scene(effects=(DOWN,)))
+    starts = [{"pin": f"{-1.4 + turn} rad"} for turn in (0.0, 2.0 * math.pi, -2.0 * math.pi, math.pi)]
+    assert [point.stable for point in sim.equilibria(starts)] == [True, False]
+    sprung = lamc.compile(bar(stiffness=0.05), Scene(effects=(DOWN, HingeStiffness())))
+    assert len(sprung.equilibria(starts)) == 4
+
+
+def test_another_geometry_has_its_own_equilibrium() -> None:
+    sim = lamc.compile(bar(), Scene(effects=(DOWN,)))
+    other = lamc.compile(bar(stiffness=1.0), Scene(effects=(DOWN, HingeStiffness())))
+    with pytest.raises(lamc.RequestError, match="of another mechanism"):
+        sim.equilibrium(other.equilibrium())
+
+
+def test_an_input_that_follows_a_series_needs_an_instant() -> None:
+    """Also where the series is nought but for a millisecond."""
+    pulse = lamc.Series([0.0, 3.0, 3.0005, 3.001, 10.0], [0.0, 0.0, 0.2, 0.0, 0.0])
+    scene = Scene(
+        effects=(HingeStiffness(), Torque({"pin": "w"})), inputs={"w": lamc.Input(unit="N*m", series=pulse)}
+    )
+    sim = lamc.compile(bar(stiffness=5.0), scene)
+    with pytest.raises(lamc.RequestError, match="depend on time"):
+        sim.equilibrium()
+    point = sim.equilibrium(t=3.0005)
+    assert point.angles["pin"] == pytest.approx(0.04, abs=NEAR)
+    model = sim.linearise(point, inputs=["pin.stiffness"])
+    assert model.B[1, 0] == pytest.approx(-0.04 / 0.19, rel=1e-9)
+
+
+def test_limits_that_nothing_holds_are_told() -> None:
+    found = lamc.compile(bar(limits=(-0.5, 3.0)), Scene(effects=(DOWN,))).equilibrium()
+    assert any("'pin'" in note and "does not hold it to them" in note for note in found.notes)
+    held = lamc.compile(
+        bar(limits=(-0.5, 3.0)), Scene(effects=(DOWN, JointLimits(stiffness=200.0)))
+    ).equilibrium()
+    assert not any("does not hold" in note for note in held.notes)

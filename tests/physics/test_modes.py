@@ -1,6 +1,7 @@
 """Frequencies, damping and shapes against closed forms and against runs."""
 
 import math
+import pickle
 from itertools import pairwise
 
 import numpy as np
@@ -132,3 +133,14 @@ def test_modes_that_are_not_there_are_refused() -> None:
         sim.modes().result(3)
     with pytest.raises(lamc.RequestError, match="must be an equilibrium"):
         sim.modes({"pin": 0.0})  # type: ignore[arg-type]
+
+
+def test_what_is_found_goes_to_another_process() -> None:
+    sim = lamc.compile(mechanism_of_example(find("four_bar")))
+    point = sim.equilibrium()
+    found = sim.modes(point)
+    assert point.angles  # made, and not pickled
+    again, model, modes = pickle.loads(pickle.dumps((point, sim.linearise(point), found)))
+    assert dict(again.angles) == dict(point.angles)
+    assert np.array_equal(model.A, sim.linearise(again).A)
+    assert np.array_equal(modes.frequencies, found.frequencies)

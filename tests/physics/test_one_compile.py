@@ -19,6 +19,9 @@ from lamc.basics.times import Times
 from lamc.codegen.cache import Cache
 from lamc.loops.rank import count_loops
 from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.assembly import symbols_of
+from lamc.mechanics.closure import close_cycles
+from lamc.mechanics.closure_plan import pattern_of
 from lamc.mechanics.derive import derive
 from lamc.mechanics.lower import lower
 from lamc.mechanics.survey import Survey, can_survey, survey_design
@@ -30,6 +33,7 @@ from tests.support.closed_mechanisms import ClosedMechanism, closed_mechanisms
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
 from tests.support.mechanisms import ALL_PASSIVE, chain, trees
+from tests.support.sheets import folded_miura, sheet
 
 NOT_TOLD = {
     "flexible_links",
@@ -173,3 +177,54 @@ def test_a_free_base_has_the_digest_of_a_compile_of_its_own(tmp_path: Path) -> N
     quick = lamc.compile(scaled(first, 1.1, 1.2), scene, times=times, cache=shared)
     assert "derive" not in times.seconds
     assert quick.model.digest == quick.program.digest
+
+
+def of_sheet(count: int, theta: float, gamma: float = 1.0) -> Mechanism:
+    return sheet(folded_miura(count, theta, gamma))
+
+
+@pytest.mark.parametrize("theta", [0.7, 1.0, 1.01, 1.3])
+@pytest.mark.parametrize("count", [3, 4, 5])
+def test_sheets_of_one_plan_have_one_program(count: int, theta: float) -> None:
+    """Loops of many hinges are eliminated by a plan that follows from numbers; where it is the same, so is the
+    program, and symmetry leaves many numbers that are equal but for round-off."""
+    first = of_sheet(count, 1.0)
+    for factor in (0.31, 1.3, 1.7):  # which of like vertices comes first must not be for round-off to choose
+        check(first, scaled(first, factor, 0.6), ALL_PASSIVE, must_agree=True)
+    check(first, of_sheet(count, theta), ALL_PASSIVE, must_agree=theta == 1.0)
+    check(first, of_sheet(count, theta, 1.05), ALL_PASSIVE, must_agree=False)
+
+
+@settings(deadline=None, max_examples=15)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_rough_sheets_have_the_program_of_their_survey(seed: int) -> None:
+    """Vertices moved at random: plans of one and another differ or not, and the survey knows."""
+    rng = np.random.default_rng(seed)
+    vertices = folded_miura(3)
+    rough = [sheet(vertices + rng.normal(0.0, 0.01, vertices.shape), diagonals=True) for _ in range(2)]
+    check(*rough, ALL_PASSIVE, must_agree=False)
+
+
+def test_the_plan_of_a_survey_is_that_of_the_equations() -> None:
+    for mechanism in (of_sheet(4, 1.0), lamc.split(lamc.load(examples.path("folding_box")))):
+        tree = plan(mechanism)
+        loops = count_loops(tree)
+        derived = derive(tree, ALL_PASSIVE, loops).pattern
+        symbols = symbols_of(arrange(tree, ALL_PASSIVE), {})
+        own = pattern_of(close_cycles(tree, symbols.q, symbols.u), symbols.q, loops.rank, loops.position)
+        assert derived == own
+        assert own.plan
+
+
+def test_a_box_of_other_lengths_is_not_derived_again(tmp_path: Path) -> None:
+    first = replace(lamc.split(lamc.load(examples.path("folding_box"))), design=None)
+    second, shared, times = scaled(first, 1.1, 1.3), Cache(tmp_path / "shared"), Times()
+    lamc.compile(first, cache=shared)
+    quick = lamc.compile(second, times=times, cache=shared)
+    assert times.from_cache
+    assert "derive" not in times.seconds
+    alone = lamc.compile(second, cache=Cache(tmp_path / "alone"))
+    a, b = quick.run(0.02), alone.run(0.02)
+    for one, other in ((a.t, b.t), (a.q, b.q), (a.u, b.u)):
+        assert np.array_equal(one, other)
+    assert quick.model.digest == alone.model.digest == alone.program.digest == quick.program.digest

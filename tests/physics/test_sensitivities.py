@@ -309,3 +309,10 @@ def test_every_effect(name: str) -> None:
         each for each in sim.parameters if not each.startswith(("gravity", "a.", "b.", "ground_contact", "h"))
     ]
     check(device, ["b.mass", f"angles.{sim.joints[0]}", *own[:1]], 0.2)
+
+
+def test_a_servo_that_samples_is_refused() -> None:
+    servo = lamc.Servo(joint="h", command=1.0, stiffness=2.0, damping=0.02, period=0.01)
+    sim = lamc.compile(oscillator(), lamc.Scene(effects=(servo,)))
+    with pytest.raises(lamc.RequestError, match="leave the period out"):
+        sim.run(t_end=0.1, sensitivities=["link.mass"])

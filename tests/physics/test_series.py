@@ -13,10 +13,11 @@ from scipy.interpolate import CubicSpline
 
 import lamc
 from lamc import Body, Gravity, Input, Joint, JointLimits, Mechanism, Scene, Series, Torque
-from lamc.basics.errors import DesignError, DesignWarning, RequestError
+from lamc.basics.errors import DesignError, DesignWarning, RequestError, UnsupportedError
 from lamc.effects import HingeDamping
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.external_torque import ExternalTorque
+from lamc.ledger.bench import measure
 from lamc.reference.check import check
 from lamc.reference.interpreter import Interpreter
 from lamc.run.simulator import Simulator
@@ -375,3 +376,37 @@ def test_an_accuracy_is_reached_with_a_series() -> None:
     result = sim.run(t_end=1.1, accuracy=1e-7)
     exact = pendulum_by_hand(table("linear"), TIMES, 1.1, 0.0)
     assert result.q[-1, 0] == pytest.approx(exact[0], abs=1e-7 * np.ptp(result.q))
+
+
+@pytest.mark.parametrize("hold", ["previous", "linear"])
+@pytest.mark.parametrize("method", ["rk45", "dop853", "radau5"])
+def test_derivatives_of_a_run_go_through_jumps(hold: str, method: str) -> None:
+    """θ̈ = (k τ(t) cos θ - m g l sin θ) / I: by k, the variational equation by scipy, from knot to knot."""
+    series = Series(TIMES, VALUES, hold)
+    scene = Scene(
+        effects=(Torque({"h": "gain*command*cos(angle)"}), Gravity((0.0, 0.0, -G))),
+        inputs={"command": Input(unit="N*m", series=series), "gain": Input(1.5)},
+    )
+    sim = lamc.compile(pendulum(), scene)
+    rows = np.unique(np.concatenate([TIMES, np.linspace(0.0, 1.1, 23)]))
+    result = sim.run(
+        t_end=1.1, integrator=method, rtol=1e-10, atol=1e-12, sensitivities=["gain"], t_eval=rows
+    )
+    plain = sim.run(t_end=1.1, integrator=method, rtol=1e-10, atol=1e-12, t_eval=rows)
+    assert np.array_equal(result.q, plain.q)
+    step = 1e-4
+    ahead, behind = (
+        sim.run(
+            t_end=1.1, rtol=1e-13, atol=1e-15, integrator="dop853", parameters={"gain": 1.5 + d}, t_eval=rows
+        )
+        for d in (step, -step)
+    )
+    differences = (ahead.q[:, 0] - behind.q[:, 0]) / (2 * step)
+    # differences err by step² / 6 times third derivatives, of order one; both runs by 1e-13 / step
+    assert result.sensitivity("h", "gain") == pytest.approx(differences, abs=2e-8)
+
+
+def test_what_takes_numbers_for_inputs_refuses_a_series() -> None:
+    scene = driven(Series(TIMES, VALUES)).scene
+    with pytest.raises(UnsupportedError, match="the input 'command' follows a series"):
+        measure(pendulum(), scene, lamc.CompileOptions(), lambda _stage: None)

@@ -35,7 +35,7 @@ class Sampled:
 
 def digest(made: Mechanism, *effects: Effect, energy_balance: bool = False, fast: bool = False) -> str | None:
     return input_digest(
-        made, effects, None, find_compiler(None), CompileOptions(fast=fast), energy_balance=energy_balance
+        made, effects, None, find_compiler(None), CompileOptions(fast=fast), extras=str(energy_balance)
     )
 
 

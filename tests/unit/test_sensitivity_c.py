@@ -44,7 +44,7 @@ static int run(int which, lamc_method method) {{
   const lamc_options options = {{1e-8, 1e-10, 0, 0, 100000}};
   double *constants = numbers(model->constant_count), *work = numbers(lamc_motion_work_size(model) + 1);
   model->setup(model->parameter_defaults, constants);
-  lamc_motion motion = {{model, constants, work, 0}};
+  lamc_motion motion = {{model, constants, work, 0, NULL}};
   lamc_rows rows;
   memset(&rows, 0, sizeof rows);
   const lamc_ode ode = lamc_motion_ode(&motion);

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import make_interp_spline
@@ -13,11 +14,13 @@ from scipy.interpolate import make_interp_spline
 import lamc
 from lamc import Input, Scene, Series
 from lamc.basics.errors import DesignError, LamcError
+from lamc.cli import main
 from lamc.effects import Torque
 from lamc.readers.load_scene import scene_of_text
 from lamc.readers.scene_writer import scene_data
 from lamc.readers.schema import json_schema
 from lamc.readers.series_file import read_columns
+from tests.support.ctools import needs_cc
 from tests.support.quick import tries
 
 T, V = [0.0, 0.5, 2.0], [1.0, -1.0, 3.0]
@@ -301,3 +304,26 @@ def test_an_input_has_a_series_or_a_default() -> None:
         Input(series=[1, 2])  # type: ignore[arg-type]
     with pytest.raises(DesignError, match=r"an input is named .knee\.torque."):
         Scene(effects=(Torque({"h": "1"}),), inputs={"knee.torque": Input()})
+
+
+@needs_cc
+def test_a_command_runs_on_a_recording_and_knows_it_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    csv(tmp_path, "t [ms];cmd [N*m]\n0;0\n500;5,5\n1000;0\n")
+    text = "scene:\n  with: {torque: {h1: command}}\n  inputs: {command: {csv: bench.csv}}\n  duration: 1 s\n"
+    (tmp_path / "scene.yaml").write_text(text)
+    runner = CliRunner()
+    asked = ["run", "--example", "pendulum", "--scene", "scene.yaml", "--out", "out", "--no-pictures"]
+    done = runner.invoke(main, asked)
+    assert done.exit_code == 0, done.output
+    manifest = json.loads((tmp_path / "out" / "manifest.json").read_text())
+    assert set(manifest["series"]) == {"command"}
+    built = runner.invoke(main, ["build", "--example", "pendulum", "--scene", "scene.yaml", "--out", "built"])
+    assert built.exit_code == 0, built.output
+    assert "series_0_rows" in (tmp_path / "built" / "pendulum.c").read_text()
+    csv(tmp_path, "t [ms];cmd [N*m]\n0;0\n500;5,6\n1000;0\n")
+    again = runner.invoke(main, ["view", "out"])
+    assert again.exit_code != 0
+    assert "follows another series than when this was run" in again.output

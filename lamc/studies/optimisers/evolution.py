@@ -20,8 +20,15 @@ _SAME = 1e-9  # spread of merits at which a population has nothing left to tell 
 def differential_evolution(problem: Problem, start: Array, seed: int) -> Array:
     """best/1/bin with dithering, from a Latin hypercube and the start."""
     edges = len(start)
+
+    def merits(population: Array) -> Array:
+        """Of columns (n, k): a generation at once."""
+        places = list(np.atleast_2d(population.T))
+        problem.ahead(places)
+        return np.array([problem.merit(problem.at(each)) for each in places])
+
     optimize.differential_evolution(
-        lambda x: problem.merit(problem.at(x)),
+        merits,
         [(0.0, 1.0)] * edges,
         rng=np.random.default_rng(seed),
         x0=start,
@@ -31,6 +38,8 @@ def differential_evolution(problem: Problem, start: Array, seed: int) -> Array:
         tol=1e-6,
         atol=_SAME,
         polish=False,
+        vectorized=True,
+        updating="deferred",
     )
     return _best(problem, start)
 
@@ -54,7 +63,9 @@ def cma_es(problem: Problem, start: Array, seed: int) -> Array:
         run = cma.CMAEvolutionStrategy(at.tolist(), 0.25, options)
         while not run.stop():
             asked = run.ask()
-            run.tell(asked, [problem.merit(problem.at(np.clip(each, 0.0, 1.0))) for each in asked])
+            places = [np.clip(each, 0.0, 1.0) for each in asked]
+            problem.ahead(places)
+            run.tell(asked, [problem.merit(problem.at(each)) for each in places])
         at = _best(problem, start)
     return at
 

@@ -20,7 +20,7 @@ _MOVED = 5e-3  # of the box of goals, by which the room below the front may have
 def front_of(problem: Problem, start: Array, seed: int) -> tuple[list[int], bool]:
     """Trials on the front, in the order of the first goal; whether it stands still. Raises LamcError without pymoo."""
     algorithm = needed("pymoo.algorithms.moo.nsga2", "a front of several goals (NSGA-II)").NSGA2
-    base = needed("pymoo.core.problem", "NSGA-II").ElementwiseProblem
+    base = needed("pymoo.core.problem", "NSGA-II").Problem
     minimize = needed("pymoo.optimize", "NSGA-II").minimize
 
     class Box(base):  # type: ignore[misc,valid-type]
@@ -34,9 +34,13 @@ def front_of(problem: Problem, start: Array, seed: int) -> tuple[list[int], bool
             )
 
         def _evaluate(self, x: Array, out: dict[str, Any], *_: Any, **__: Any) -> None:
-            trial = problem.at(np.asarray(x, dtype=np.float64))
-            out["F"] = list(trial.goals) if trial.is_ok else [1e30] * len(problem.goals)
-            out["G"] = [problem.violation(trial) - _tolerance(problem) if trial.is_ok else 1e30]
+            places = [np.asarray(each, dtype=np.float64) for each in x]  # of a generation
+            problem.ahead(places)
+            trials = [problem.at(each) for each in places]
+            worst = [1e30] * len(problem.goals)
+            out["F"] = np.array([list(each.goals) if each.is_ok else worst for each in trials])
+            kept = [problem.violation(t) - _tolerance(problem) if t.is_ok else 1e30 for t in trials]
+            out["G"] = np.array(kept)[:, None]
 
     first = np.random.default_rng(seed).random((_POPULATION, len(start)))
     first[0] = start

@@ -38,7 +38,7 @@ def bar(title: str) -> Iterator[tuple[Callable[[str], None], Part]]:
 @contextmanager
 def part_told(title: str, progress: Part | bool | None) -> Iterator[Part | None]:
     """What is told how much of how much is done: `progress` itself, or for True a bar while it lasts."""
-    if progress is None or callable(progress):
+    if not isinstance(progress, bool):
         yield progress
         return
     with bar(title) if progress else nullcontext((None, None)) as (_, part):

@@ -90,7 +90,7 @@ class Servo(RegisteredEffect):
     name: ClassVar[str] = "servo"
     summary: ClassVar[str] = "Servos on hinges"
     example: ClassVar[str] = (
-        "servo: {joint: hip, command: 20 deg * sin(2*pi*t), stiffness: 20 N*mm/rad, damping: 0.2 N*mm*s/rad, "
+        "servo: {joint: hip, command: 0.35*sin(2*pi*t), stiffness: 20 N*mm/rad, damping: 0.2 N*mm*s/rad, "
         "stall_torque: 10 N*mm, no_load_speed: 60}"
     )
     source: ClassVar[str] = "T = k (command - q) - c u, |T + T0 u / w0| <= T0"

@@ -95,7 +95,7 @@ class Pouch(RegisteredEffect):
 
     name: ClassVar[str] = "pouch"
     summary: ClassVar[str] = "Pouches on hinges"
-    example: ClassVar[str] = "pouch: {joint: knee, pressure: "20e3*min(t, 1)", length: 12 mm, width: 20 mm}"
+    example: ClassVar[str] = 'pouch: {joint: knee, pressure: "20e3*min(t, 1)", length: 12 mm, width: 20 mm}'
     source: ClassVar[str] = "T = p dV/dangle, Niiyama et al. 2015"
     repeatable: ClassVar[bool] = True
     conservative: ClassVar[bool] = False

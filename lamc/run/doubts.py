@@ -30,9 +30,17 @@ def notes(result: "Result") -> tuple[str, ...]:
 
 def _no_derivative(result: "Result") -> list[str]:
     found = result.sensitivities
-    if found is None or found.lost is None:
+    if found is None:
         return []
-    return [f"there is no derivative from t = {found.lost.t:.6g} s on: {found.lost.reason}"]
+    lines = []
+    if found.lost is not None:
+        lines.append(f"there is no derivative from t = {found.lost.t:.6g} s on: {found.lost.reason}")
+    if (horizon := found.horizon(result)) is not None:
+        lines.append(
+            f"from t = {horizon[0]:.4g} s on a change of {horizon[1]} by the run's tolerance moves the state by more "
+            "than a hundredth of its range: the motion is chaotic there, and derivatives say nothing of finite changes"
+        )
+    return lines
 
 
 def _folded_through(result: "Result") -> list[str]:

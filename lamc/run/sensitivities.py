@@ -35,6 +35,9 @@ STEP = 1e-3  # of a number, or of a radian: differences of order 4 then err by 1
 # so, which differences over 1e-3 make 1e-9.
 AGREE = 1e-7
 PLACES, WEIGHTS = (-2.0, -1.0, 1.0, 2.0), (1.0 / 12.0, -2.0 / 3.0, 2.0 / 3.0, -1.0 / 12.0)
+HORIZON = (
+    1e-2  # of a range: what a run at its tolerance may be off before its derivatives are of another motion
+)
 WHY = {
     1: "several events fall on one instant, and another value takes them in another order",
     2: "a limit is touched and not passed",
@@ -59,11 +62,13 @@ class Sensitivities:
     values  (m, nq + nu, p): of coordinates, then rates, at each row, by each name, in SI units; NaN where there are
             none
     lost    since when there are none; None: there are everywhere
+    sizes   (p,): of the numbers themselves, SI; 1 where one is zero
     """
 
     names: tuple[str, ...]
     values: Array
     lost: NoDerivative | None = None
+    sizes: tuple[float, ...] = ()
     _shifted: "Callable[[str], tuple[_Shifted, ...]] | None" = field(default=None, repr=False)
 
     def of(self, result: "Result", output: str, name: str) -> Array:
@@ -81,6 +86,17 @@ class Sensitivities:
         if joint in result.joints and joint != output:
             return column[:, nq + result.joints.index(joint)]
         return self._along(result, output, column) + self._beside(result, output, name)
+
+    def horizon(self, result: "Result") -> tuple[float, str] | None:
+        """Since when, s, and by which name, a change of a number by the tolerance of the run moves the state by more
+        than a hundredth of its range: in chaotic motion, where derivatives tell no finite change. None: nowhere."""
+        reach = HORIZON * np.ptp(result.y, axis=1)[None, :, None] / result.stats.rtol
+        moved = np.abs(self.values) * np.array(self.sizes or (1.0,) * len(self.names))
+        beyond = np.any(moved > np.where(reach > 0.0, reach, np.inf), axis=1)  # (m, p)
+        rows = np.flatnonzero(beyond.any(axis=1))
+        if not len(rows):
+            return None
+        return float(result.t[rows[0]]), self.names[int(np.argmax(beyond[rows[0]]))]
 
     def _along(self, result: "Result", output: str, column: Array) -> Array:
         """Of an output as a function of the state, by differences along the column, a hundredth of a radian at most."""
@@ -126,6 +142,7 @@ class Differentiated:
     names: tuple[str, ...]
     order: tuple[int, ...]
     shifted: Callable[[str], tuple[_Shifted, ...]]
+    sizes: tuple[float, ...]
 
     def sensitivities(self, values: Array, lost: tuple[float, int, int] | None) -> Sensitivities:
         guards = self.motion.model.guards
@@ -133,7 +150,7 @@ class Differentiated:
         if lost is not None:
             at, why, guard = lost
             told = NoDerivative(at, WHY[why] + (f" ({guards[guard]!r})" if guard >= 0 else ""))
-        return Sensitivities(self.names, values[:, :, list(self.order)], told, self.shifted)
+        return Sensitivities(self.names, values[:, :, list(self.order)], told, self.sizes, self.shifted)
 
 
 def differentiated(
@@ -163,7 +180,10 @@ def differentiated(
     order = [(*columns.names, *starts).index(name) for name in asked]
     shifted = _Shifts(simulator, dict(parameters), {name: pace.step for name, pace in paces.items()})
     along = Along(motion.parameters, directions, np.ascontiguousarray(start))
-    return Differentiated(motion, along, asked, tuple(order), shifted)
+    values = dict(zip(model.parameters, motion.parameters.tolist(), strict=False))
+    values |= {name: _source(simulator).parameters[name].default for name in columns.dimensions}
+    sizes = tuple(abs(values.get(name, 1.0)) or 1.0 for name in asked)
+    return Differentiated(motion, along, asked, tuple(order), shifted, sizes)
 
 
 def _checked(simulator: "Simulator", names: Sequence[str]) -> tuple[str, ...]:

@@ -328,3 +328,25 @@ def test_a_servo_that_samples(integrator: str) -> None:
     period = next(name for name in sim.parameters if name.endswith("period"))
     with pytest.raises(lamc.RequestError, match="the times at which a servo samples"):
         sim.run(t_end=0.1, sensitivities=[period])
+
+
+def test_derivatives_beyond_the_horizon_of_chaos_are_told() -> None:
+    """A chain of two links that turns over: what a mass changes grows by e every third of a second or so."""
+    bodies = [Body("ground", fixed=True)]
+    for k in range(2):
+        bodies.append(Body(f"link{k}", 1.0, np.array([k + 0.5, 0.0, 0.0]), np.eye(3) / 12.0))
+    joints = [
+        Joint(
+            f"h{k}",
+            bodies[k].name,
+            bodies[k + 1].name,
+            np.array([float(k), 0.0, 0.0]),
+            np.array([0.0, 1.0, 0.0]),
+        )
+        for k in range(2)
+    ]
+    scene = lamc.Scene(effects=(lamc.Gravity((0.0, 0.0, -9.81)),), angles={"h0": -2.0, "h1": 1.0})
+    sim = lamc.compile(Mechanism(tuple(bodies), tuple(joints), name="double"), scene)
+    for t_end, is_told in ((1.0, False), (40.0, True)):
+        notes = sim.run(t_end=t_end, sensitivities=["link1.mass"]).notes
+        assert any("chaotic" in note for note in notes) == is_told, notes

@@ -7,9 +7,10 @@ values of effects are read as inert YAML, angles as numbers with units.
 import hashlib
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 from lamc import examples
@@ -205,6 +206,15 @@ def changed_scene(mechanism: Mechanism, changes: SceneChanges) -> tuple[Scene, t
         account = tuple(_with_options(choice, more, left_out) for choice in choose(mechanism, changed))
     effects = tuple(choice.effect for choice in account if choice.effect is not None)
     return changed.acting(effects), account
+
+
+def scene_of(changes: SceneChanges) -> Callable[[Mechanism], Scene] | None:
+    """What gives the scene of a mechanism that is made again and again; None: it is its own. It can be pickled."""
+    return None if changes == SceneChanges() else partial(_changed, changes=changes)
+
+
+def _changed(mechanism: Mechanism, changes: SceneChanges) -> Scene:
+    return changed_scene(mechanism, changes)[0]
 
 
 def _is_repeatable(effect: Effect) -> bool:

@@ -6,7 +6,6 @@ In: an `OptimiseOrder`. Out: files in a folder, a summary, an exit code. What wa
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,17 +16,15 @@ from lamc.commands.inputs import (
     Loaded,
     SceneChanges,
     Source,
-    changed_scene,
     folder_name,
     load_source,
     output_folder,
+    scene_of,
 )
 from lamc.commands.pairs import pairs_of
 from lamc.commands.quick_imports import quick_imports
 from lamc.commands.terminal import INTERRUPTED, Terminal
 from lamc.readers.study_file import StudyFile, is_study, load_study
-from lamc.records.mechanism import Mechanism
-from lamc.records.scene import Scene
 from lamc.report.look import Look
 from lamc.report.optimum_text import optimum_summary
 from lamc.studies.bench import RunOptions
@@ -98,7 +95,7 @@ def optimise(order: OptimiseOrder, terminal: Terminal) -> int:
                     asked.vary,
                     goals or "",
                     asked.subject_to,
-                    _scene(asked.changes),
+                    scene_of(asked.changes),
                     run=replace(asked.run, parameters=loaded.settings),
                     options=asked.source.options,
                 ).asked(asked.method, asked.start, asked.starts, asked.seed, asked.max_runs)
@@ -187,15 +184,6 @@ def _tight(run: RunOptions) -> RunOptions:
     return replace(
         run, rtol=RTOL if run.rtol is None else run.rtol, atol=ATOL if run.atol is None else run.atol
     )
-
-
-def _scene(changes: SceneChanges) -> Any:
-    """What gives the scene of a mechanism; None: it is its own."""
-    return None if changes == SceneChanges() else partial(_changed, changes=changes)
-
-
-def _changed(mechanism: Mechanism, changes: SceneChanges) -> Scene:
-    return changed_scene(mechanism, changes)[0]
 
 
 def _write(best: Best, folder: Path, order: OptimiseOrder) -> list[str]:

@@ -4,18 +4,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import (
-    compiler,
-    design,
-    hinges,
-    looked,
-    precision,
-    settings,
-    sheeted,
-    speaking,
-    staged,
-    until,
-)
+from lamc.commands.options import design, looked, speaking
+from lamc.commands.study_options import each_run
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -59,22 +49,7 @@ METHODS = ("auto", "least-squares", "slsqp", "trust-constr", "nelder-mead", "evo
 @click.option("--starts", type=int, metavar="N", help="How many; others by a Latin hypercube.  [default: 5]")
 @click.option("--seed", type=int, metavar="N", help="Of all that is drawn.  [default: 0]")
 @click.option("--max-runs", type=int, metavar="N", help="Runs after which it ends.  [default: 5000]")
-@until("the runs")
-@click.option("--rtol", type=float, help="Relative tolerance of a step.  [default: 1e-11]")
-@click.option("--atol", type=float, help="Absolute tolerance of a step, rad and rad/s.  [default: 1e-13]")
-@click.option("--integrator", default="auto", metavar="NAME", help="As of `lamc run`.")
-@click.option(
-    "--rows", type=int, metavar="N", help="Rows of each run that measures look at.  [default: 200 a second]"
-)
-@click.option(
-    "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."
-)
-@settings
-@staged()
-@hinges
-@sheeted
-@compiler
-@precision
+@each_run("1e-11", "1e-13")
 @click.option("--workers", type=int, metavar="N", help="Processes.  [default: one for each processor]")
 @click.option(
     "--resume",

@@ -6,7 +6,6 @@ In: a `SweepOrder`. Out: files in a folder, a summary, an exit code. What was co
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,18 +18,16 @@ from lamc.commands.inputs import (
     Loaded,
     SceneChanges,
     Source,
-    changed_scene,
     folder_name,
     load_source,
     output_folder,
+    scene_of,
 )
 from lamc.commands.pairs import pairs_of
 from lamc.commands.quick_imports import quick_imports
 from lamc.commands.terminal import INTERRUPTED, Terminal
 from lamc.examples import study_files
 from lamc.readers.study_file import StudyFile, is_study, load_study
-from lamc.records.mechanism import Mechanism
-from lamc.records.scene import Scene
 from lamc.report.look import Look
 from lamc.report.study_text import study_summary
 from lamc.studies.bench import MISSING, OK, RunOptions
@@ -81,7 +78,7 @@ def sweep(order: SweepOrder, terminal: Terminal) -> int:
                     loaded.record,
                     asked.vary,
                     asked.measures,
-                    _scene(asked.changes),
+                    scene_of(asked.changes),
                     sample=asked.sample,
                     seed=asked.seed,
                     points=asked.points,
@@ -202,15 +199,6 @@ def _measures(texts: tuple[str, ...]) -> dict[str, str]:
             )
         found[name] = expression
     return found
-
-
-def _scene(changes: SceneChanges) -> Any:
-    """What gives the scene of a mechanism; None: it is its own."""
-    return None if changes == SceneChanges() else partial(_changed, changes=changes)
-
-
-def _changed(mechanism: Mechanism, changes: SceneChanges) -> Scene:
-    return changed_scene(mechanism, changes)[0]
 
 
 def _write(table: Table, folder: Path, order: SweepOrder) -> list[str]:

@@ -4,18 +4,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import (
-    compiler,
-    design,
-    hinges,
-    looked,
-    precision,
-    settings,
-    sheeted,
-    speaking,
-    staged,
-    until,
-)
+from lamc.commands.options import design, looked, speaking
+from lamc.commands.study_options import each_run
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -52,22 +42,7 @@ if TYPE_CHECKING:
     help="lhs, sobol, halton, random; saltelli for Sobol' indices: lhs:200.",
 )
 @click.option("--seed", type=int, metavar="N", help="Of the samples.  [default: 0]")
-@until("the runs")
-@click.option("--rtol", type=float, help="Relative tolerance of a step.  [default: 1e-9]")
-@click.option("--atol", type=float, help="Absolute tolerance of a step, rad and rad/s.  [default: 1e-11]")
-@click.option("--integrator", default="auto", metavar="NAME", help="As of `lamc run`.")
-@click.option(
-    "--rows", type=int, metavar="N", help="Rows of each run that measures look at.  [default: 200 a second]"
-)
-@click.option(
-    "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."
-)
-@settings
-@staged()
-@hinges
-@sheeted
-@compiler
-@precision
+@each_run("1e-9", "1e-11")
 @click.option("--workers", type=int, metavar="N", help="Processes.  [default: one for each processor]")
 @click.option("--scheduler", metavar="ADDRESS", help="Of a Dask cluster that does the work: tcp://HOST:8786.")
 @click.option(

@@ -15,7 +15,7 @@ from lamc.basics.units import Quantity, to_si
 MAX_BYTES = 1_000_000
 MAX_ROWS = 10_000
 
-_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+", re.ASCII)
+_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][-+]?[0-9]++)?", re.ASCII)
 _BLANK = re.compile(r"\s+(?![\[(])")  # a unit belongs to the word before it
 _HEADING_UNIT = re.compile(r"[\[(]([^\])]{1,40})[\])]\s*\Z")
 

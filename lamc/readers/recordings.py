@@ -30,7 +30,7 @@ MOST_COLUMNS = 10_000
 TIMES = ("t", "time", "time (seconds)", "timestamp")
 PIXELS = ("px", "pixel", "pixels")
 
-_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+", re.ASCII)
+_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][-+]?[0-9]++)?", re.ASCII)
 _GAPS = ("", "nan", "none", "null", "-")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+\Z")
 _UNIT = re.compile(r"\s*[\[(]\s*([^\])]{1,40}?)\s*[\])]\s*\Z")

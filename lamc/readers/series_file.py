@@ -30,8 +30,9 @@ MAX_COLUMNS = 10_000
 TIMES = ("t", "time", "times", "zeit", "temps", "timestamp", "seconds")
 GAPS = ("refuse", "bridge")
 
-_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?+|\.[0-9]++)(?:[eE][-+]?[0-9]++)?+", re.ASCII)
-_COMMA_NUMBER = re.compile(r"[-+]?[0-9]*+,[0-9]++(?:[eE][-+]?[0-9]++)?+", re.ASCII)
+# No possessive group: in CPython 3.11 such a one has been seen to match "0E".
+_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][-+]?[0-9]++)?", re.ASCII)
+_COMMA_NUMBER = re.compile(r"[-+]?[0-9]*+,[0-9]++(?:[eE][-+]?[0-9]++)?", re.ASCII)
 _EMPTY = ("", "nan", "na", "n/a", "null", "none", "-", "#n/a")
 _UNIT = re.compile(r"\s*[\[(]([^\])]{1,40})[\])]\s*\Z")
 

@@ -13,6 +13,7 @@ from lamc.mechanics.derive import derive
 from lamc.mechanics.lower import lower
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from lamc.reference.check import Report, check
 from lamc.reference.integrate import simulate
 from lamc.reference.interpreter import Interpreter
@@ -28,6 +29,7 @@ class Interpreted:
     def __init__(self, mechanism: Mechanism, start: Array) -> None:
         self.mechanism = mechanism
         self.effects: tuple[Any, ...] = ALL_PASSIVE
+        self.scene = Scene(effects=ALL_PASSIVE)
         self.program: Program = lower(derive(plan(mechanism), ALL_PASSIVE))
         self.start = start
         self.acceleration_factor = self.energy_factor = 1.0

@@ -252,6 +252,7 @@ class Faulty:
     def __init__(self, sim: Simulator, acceleration: float = 1.0, jacobian: float = 1.0) -> None:
         self.sim, self.factors = sim, (acceleration, jacobian)
         self.mechanism, self.program, self.effects = sim.mechanism, sim.program, sim.effects
+        self.scene = sim.scene
 
     def acceleration(self, q: Any, u: Any, t: float = 0.0) -> Any:
         return self.factors[0] * self.sim.acceleration(q, u, t)

@@ -176,6 +176,7 @@ def test_a_file_that_changes_is_read_again(tmp_path: Path) -> None:
 )
 @example(text="t,a\n0,1\n1,2\n")
 @example(text='"')
+@example(text="0E;")
 @example(text="0\n1\n")
 @example(text="t,a\n0,1e5\n1,1_0\n")
 @settings(max_examples=tries(200), deadline=None)

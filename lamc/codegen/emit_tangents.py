@@ -9,16 +9,18 @@ from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from types import MappingProxyType
+from typing import Any
 
 from lamc.basics._version import __version__
 from lamc.basics.resources import data_dir
 from lamc.codegen.emit import SourceTree, declarations_of, environment
 from lamc.codegen.names import comment
-from lamc.symbolic.program import Program
+from lamc.symbolic.program import Operand, Program, Space
 
 
 def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
     """`tree` with the runtime of sensitivities and the table of its derivatives."""
+    rows = _rows(program)
     context = {
         "version": __version__,
         "title": comment(program.name),
@@ -26,6 +28,9 @@ def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
         "prefix": tree.prefix,
         "columns": [comment(name) for name in program.columns],
         "present": sorted(program.functions),
+        "rows": rows,
+        "factors": _factors(program),
+        "components": sorted({j for row in rows for j, _ in row["states"]}),
     }
     unit = f"{tree.prefix}_tangents.c"
     text = environment().get_template("tangents.c.j2").render(context)
@@ -34,9 +39,53 @@ def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
         tree,
         files=MappingProxyType(files),
         declarations=tree.declarations + declarations_of(files["lamc_sensitivity.h"]),
-        beside=(unit,),
-        machine=("sensitivity.c",),
+        machine=("sensitivity.c", unit),
     )
+
+
+def _rows(program: Program) -> list[dict[str, Any]]:
+    """What is not zero of the derivatives of residuals, by row: places in the array, by states and by columns."""
+    n, k = len(program.coordinates) + len(program.rates), len(program.columns)
+    across = n + k + sum(len(clock.held) for clock in program.clocks)
+    outputs = program.functions["tangents"].outputs
+    rows: list[dict[str, Any]] = []
+    for i in range(len(program.rates) + program.closure_count):
+        places = [(j, i * across + j) for j in range(n + k) if _counts(outputs[i * across + j])]
+        is_closure = i >= len(program.rates)
+        rows.append(
+            {
+                "target": "goals" if is_closure else "rows",
+                "sign": "+" if is_closure else "-",
+                "index": i - len(program.rates) if is_closure else i,
+                "states": [(j, at) for j, at in places if j < n],
+                "columns": [(j - n, at) for j, at in places if j >= n],
+            }
+        )
+    return rows
+
+
+def _factors(program: Program) -> list[dict[str, Any]]:
+    """The places of L's entries that are not zero, by row, and of 1 / D; of a tree whose accelerations are plain."""
+    if "acceleration" not in program.functions:
+        return []
+    outputs, count = program.functions["tangents"].outputs, len(program.rates)
+    first = len(outputs) - count * (count + 1) // 2
+    rows: list[dict[str, Any]] = []
+    for k in range(count):
+        begin = first + k * (k + 1) // 2
+        rows.append(
+            {
+                "index": k,
+                "lower": [(i, begin + i) for i in range(k) if _counts(outputs[begin + i])],
+                "inverse": begin + k,
+            }
+        )
+    return rows
+
+
+def _counts(output: tuple[int, Operand]) -> bool:
+    """True if it is not zero, whatever the numbers."""
+    return output[1].space is not Space.NUMBER or output[1].value != 0
 
 
 @cache

@@ -82,7 +82,7 @@ IMPACTS = (
 )
 TANGENTS = (
     "tangents",
-    "derivatives by q, u and columns of M udot - f - J^T lambda, then of J udot + gamma",
+    "derivatives by q, u and columns of M udot - f - J^T lambda, then of J udot + gamma; of dq/dt; factors of M",
     (*_STATE, Space.ACCELERATION, Space.MULTIPLIER),
 )
 CLOSURE_TANGENTS = (
@@ -110,7 +110,7 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         *motion,
         (ENERGY, tuple(equations.energies.values())),
         (POSES, equations.poses),
-        *_event_jobs(equations, needs_inertia=columns is not None),
+        *_event_jobs(equations),
         *([] if columns is None else _tangent_jobs(equations, columns)),
         *([(POWER, tuple(equations.powers.values()))] if energy_balance else []),
     ]
@@ -237,16 +237,13 @@ def _motion_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space
     ]
 
 
-def _event_jobs(
-    equations: Equations, *, needs_inertia: bool
-) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
-    """Derivatives for implicit integrators, guards, and what a tree's impacts and derivatives need besides."""
+def _event_jobs(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
+    """Derivatives for implicit integrators, guards, and what a tree's impacts need besides."""
     jobs: list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]] = []
     linearisation = linearise(equations)
     terms = equations.guards
     impacts = any(t.guard.restitution is not None for t in terms)
-    needs_inertia = needs_inertia or impacts or linearisation is not None
-    if equations.closure is None and equations.is_plain and needs_inertia:
+    if equations.closure is None and equations.is_plain and (impacts or linearisation is not None):
         jobs.append((INERTIA, _lower_triangle(equations)))
     if linearisation is not None:
         rows = (*linearisation.entries, *linearisation.flow)
@@ -271,7 +268,7 @@ def _tangent_jobs(
 ) -> list[tuple[tuple[str, str, tuple[Space, ...]], Sequence[Scalar]]]:
     found = tangents(equations, columns)
     jobs = [
-        (TANGENTS, (*found.residuals, *found.flow)),
+        (TANGENTS, (*found.residuals, *found.flow, *found.factors)),
         *([(CLOSURE_TANGENTS, found.closure)] if found.closure else []),
         *([(GUARD_TANGENTS, found.guards)] if found.guards else []),
         *([(SAMPLE_TANGENTS, found.samples)] if found.samples else []),

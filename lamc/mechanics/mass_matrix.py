@@ -5,6 +5,8 @@ has no fill-in, since M[i, j] is zero unless one hinge carries the other (Feathe
 elimination for short trees.
 """
 
+from collections.abc import Mapping
+
 from lamc.mechanics.elimination import Wrench
 from lamc.mechanics.inertia import Inertia
 from lamc.mechanics.kinematics import Kinematics
@@ -93,15 +95,7 @@ def solve_by_mass_matrix(
 
 def _solve(tree: Tree, entries: Entries, forces: list[Scalar]) -> list[Scalar]:
     count = len(tree.links)
-    m = dict(entries)
-    lower: Entries = {}
-    inverse: list[Scalar] = [0] * count
-    for k in reversed(range(count)):
-        inverse[k] = reciprocal(m[k, k])
-        for i in way_to_world(tree, k):
-            lower[k, i] = m[k, i] * inverse[k]
-            for j in (i, *way_to_world(tree, i)):
-                m[i, j] = m[i, j] - lower[k, i] * m[k, j]
+    lower, inverse = factors(count, entries)
     x = list(forces)
     for k in reversed(range(count)):
         for i in way_to_world(tree, k):
@@ -111,6 +105,22 @@ def _solve(tree: Tree, entries: Entries, forces: list[Scalar]) -> list[Scalar]:
         for i in way_to_world(tree, k):
             x[k] = x[k] - lower[k, i] * x[i]
     return x
+
+
+def factors(count: int, entries: Mapping[tuple[int, int], Scalar]) -> tuple[Entries, list[Scalar]]:
+    """L below its diagonal of ones, and the diagonal of 1 / D, of M = LᵀDL; entries: what is not zero of the lower
+    triangle of M. Where links stand behind those that carry them, L has no entries but those of M."""
+    m = dict(entries)
+    lower: Entries = {}
+    inverse: list[Scalar] = [0] * count
+    for k in reversed(range(count)):
+        inverse[k] = reciprocal(m[k, k])
+        known = [i for i in reversed(range(k)) if (k, i) in m]
+        for place, i in enumerate(known):
+            lower[k, i] = m[k, i] * inverse[k]
+            for j in known[place:]:
+                m[i, j] = m.get((i, j), 0) - lower[k, i] * m[k, j]
+    return lower, inverse
 
 
 def way_to_world(tree: Tree, index: int) -> list[int]:

@@ -3,7 +3,8 @@
 Goes in: Equations, names. Comes out: derivatives by q, u and each column of the residuals r = M u̇ - f - Jᵀλ and
 c = J u̇ + γ at given u̇ and λ, as in `linearise`, of closure and of guards. A column is a parameter, or a dimension of
 the drawing: along it the numbers of the drawing move at paces that `setup` is given beside them, so that one program
-serves every dimension. What depends on parameters only is worked out once, by `setup`.
+serves every dimension. What depends on parameters only is worked out once, by `setup`. Of a tree the factors of M come
+with them.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,6 +13,7 @@ from dataclasses import dataclass
 from lamc.basics.errors import RequestError
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.linearise import loaded_residuals, second_derivative
+from lamc.mechanics.mass_matrix import factors
 from lamc.symbolic.derivative import derivatives
 from lamc.symbolic.program import Space
 from lamc.symbolic.scalars import Scalar, Value
@@ -45,6 +47,7 @@ class Tangents:
                for a tree
     guards     (guards, nq + nu + 1 + k): by q, u, t and the columns
     samples    (held, nq + nu + k): of what clocks hold
+    factors    of M = LᵀDL, by rows: L below its diagonal of ones, then 1 / D; empty where the runtime solves
 
     Where clocks hold samples, their number follows in `residuals`, `guards` and `samples`: derivatives by what is held.
     """
@@ -54,6 +57,7 @@ class Tangents:
     closure: tuple[tuple[Scalar, ...], ...]
     guards: tuple[tuple[Scalar, ...], ...]
     samples: tuple[tuple[Scalar, ...], ...]
+    factors: tuple[tuple[Scalar, ...], ...]
 
 
 def tangents(equations: Equations, columns: Columns) -> Tangents:
@@ -91,8 +95,10 @@ def tangents(equations: Equations, columns: Columns) -> Tangents:
             ),
             guards=_rows(guards, [*state, *time, *moves, *held]),
             samples=_rows(sampled, [*state, *moves, *held]),
+            factors=_factors(equations),
         )
-    values = [value for rows in (found.residuals, found.flow, found.closure) for row in rows for value in row]
+    parts = (found.residuals, found.flow, found.closure, found.factors)
+    values = [value for rows in parts for row in rows for value in row]
     flops = count_operations(store, values, Level.PARAMETER).flops
     if flops > MAX_FLOPS:
         raise RequestError(
@@ -136,6 +142,14 @@ def _drifts(equations: Equations, u: Sequence[Value]) -> list[Scalar]:
                 value = value + entry * u[j]
             result.append(value)
     return result
+
+
+def _factors(equations: Equations) -> tuple[tuple[Scalar, ...], ...]:
+    if equations.closure is not None or not equations.is_plain:
+        return ()
+    count = len(equations.rates)
+    lower, inverse = factors(count, {at: value for at, value in equations.inertia.items() if at[0] >= at[1]})
+    return tuple((*(lower.get((k, i), 0) for i in range(k)), inverse[k]) for k in range(count))
 
 
 def _rows(

@@ -19,7 +19,7 @@ static const lamc_real RADAU_WEIGHT[RADAU_NODES][RADAU_NODES] = {
 
 /* Columns of [f_p, f_y], f_p for all columns of S, and numbers of scratch: those at a node, S for them, and the matrix with its right-hand sides */
 static inline int lamc_collocation_width(int n, int k) {
-  return padded(n + k);
+  return lamc_columns_width(n + k);
 }
 
 static inline long long lamc_collocation_size(int n, int k, int width) {
@@ -35,7 +35,8 @@ static inline void lamc_collocation_node(lamc_sensitivity *s, lamc_real t, const
   s->width = lamc_collocation_width(n, columns);
   memset(unit, 0, (size_t)n * (size_t)s->width * sizeof *unit);
   for (int i = 0; i < n; i++) unit[(ptrdiff_t)i * s->width + columns + i] = 1;
-  lamc_vary(s, t, y, NULL, unit, found);
+  const lamc_place place = lamc_place_beside(s, t, y, NULL);
+  lamc_vary(s, &place, unit, found);
   s->column_count = columns;
   s->width = width;
 }
@@ -61,7 +62,7 @@ static inline int lamc_solve_dense(int n, int across, lamc_real *a, int width, l
       }
     }
     if (!(fabs(row[j]) > 0)) return 0;
-    const int begin = j / LANES * LANES; /* what stands before j is not read again */
+    const int begin = j / PACK * PACK; /* what stands before j is not read again */
     for (int i = j + 1; i < n; i++) {
       lamc_real *below = a + (ptrdiff_t)i * across;
       const lamc_real factor = below[j] / row[j];

@@ -65,9 +65,10 @@ static inline lamc_real lamc_fine_step(lamc_sensitivity *s, lamc_real t, lamc_re
     if (stage == FINE_STAGES) break;
     lamc_real *slope = k + (ptrdiff_t)stage * row;
     const lamc_real at = t + DOP853_C[stage] * h;
+    const lamc_place place = lamc_place_beside(s, at, y_new, NULL);
     lamc_motion_rates(&s->beside, y_new, y_new + nq, slope);
-    lamc_motion_accelerate(&s->beside, at, y_new, y_new + nq, slope + nq);
-    lamc_vary(s, at, y_new, slope + nq, sens_new, slopes + (ptrdiff_t)stage * size);
+    memcpy(slope + nq, place.udot, (size_t)(n - nq) * sizeof *slope);
+    lamc_vary(s, &place, sens_new, slopes + (ptrdiff_t)stage * size);
   }
   return lamc_s_error(n, s->width, h, slopes, FINE_STAGES, DOP853_E5, DOP853_E3, sens_new);
 }

@@ -8,6 +8,8 @@
 
 #include "lamc.h"
 
+#include <stddef.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -18,9 +20,14 @@ extern "C" {
 typedef struct lamc_tangents {
   int column_count; /* k: parameters and dimensions that the equations are differentiated by */
   /* At udot and lambda -> (nu + m, nq + nu + k) derivatives by q, u and columns of M udot - f - J^T lambda (nu,), then of
-   * J udot + gamma (m,); then, if the model has rates, (nq, nq + nu) of dq/dt by q and u */
+   * J udot + gamma (m,); then, if the model has rates, (nq, nq + nu) of dq/dt by q and u; then, of a model that gives
+   * accelerations as they are, factors of M */
   void (*residuals)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                     const lamc_real *udot, const lamc_real *lambda, lamc_real *residuals);
+  /* With what residuals left: rows (nu, width) less its derivatives by columns and along S (n, width); of a model that gives
+   * accelerations as they are, M^-1 of that; and goals (m, width) and those of the loops */
+  void (*along)(const lamc_real *residuals, int width, const lamc_real *sens, lamc_real *rows,
+                lamc_real *goals);
   /* -> (m, nq + k + nq + nu + k) derivatives of phi by q and columns, then of J u by q, u and columns. NULL: a tree */
   void (*closure)(const lamc_real *constants, const lamc_real *q, const lamc_real *u, lamc_real *closure);
   /* -> (guard_count, nq + nu + 1 + k) derivatives of the guards by q, u, t and columns. NULL: there are none */
@@ -74,6 +81,10 @@ typedef struct lamc_sensitivity {
   int held_width;
   lamc_real *slopes; /* dS/dt at the stages */
   lamc_real *scratch;
+  lamc_real *remembered; /* the run's last evaluations: see memory.h */
+  ptrdiff_t entry_size, factors_size;
+  int latest, recalled; /* of them: the last that was made, and the last that was asked for */
+  void (*rhs)(const void *context, lamc_real t, const lamc_real *y, lamc_real *dydt); /* the run's own */
 } lamc_sensitivity;
 
 /* Numbers of `work`, beside the run's own, for so many columns of S; 0 where a count is out of bounds. */

@@ -52,14 +52,14 @@ static inline const lamc_real *lamc_run_slope(const lamc_run *run, const tableau
   return slot(run, SLOT_OWN + (stage < a->last ? stage - 1 : stage - 2));
 }
 
-/* out += weight times v, of (count,), a multiple of LANES */
+/* out += weight times v, of (count,), whole packs */
 static inline void lamc_add_weighted(ptrdiff_t count, lamc_real weight, const lamc_real *LAMC_RESTRICT v,
                                      lamc_real *LAMC_RESTRICT out) {
-  for (ptrdiff_t b = 0; b < count; b += LANES)
-    for (ptrdiff_t i = b; i < b + LANES; i++) out[i] += weight * v[i];
+  for (ptrdiff_t b = 0; b < count; b += PACK)
+    lamc_pack_put(out + b, lamc_pack_add(lamc_pack_at(out + b), weight, lamc_pack_at(v + b)));
 }
 
-/* out = from + sum over the first `count` slopes of h weight times slope; of (size,), a multiple of LANES, each */
+/* out = from + sum over the first `count` slopes of h weight times slope; of (size,), whole packs, each */
 static inline void lamc_weighted_sum(ptrdiff_t size, const lamc_real *LAMC_RESTRICT from, lamc_real h,
                                      int count, const lamc_real *weights,
                                      const lamc_real *LAMC_RESTRICT slopes, lamc_real *LAMC_RESTRICT out) {
@@ -86,28 +86,35 @@ static inline void lamc_replay_argument(const lamc_sensitivity *s, const tableau
                     a->weight + (ptrdiff_t)stage * a->across, s->slopes, out);
 }
 
-/* One stage: dS/dt there. stage, y: (n, width) and (n,) of scratch */
+/* Where a stage of the last step was evaluated; y: (n,) of scratch */
+static inline lamc_place lamc_stage_place(lamc_sensitivity *s, const tableau *a, int stage, lamc_real *y) {
+  const lamc_run *run = &s->run;
+  const int n = run->ode.n;
+  const lamc_real h = run->h_last, t = stage == a->last ? run->t : run->t_old + a->node[stage] * h;
+  const lamc_real *slope = lamc_run_slope(run, a, stage);
+  lamc_place place;
+  if (lamc_recall(s, t, slope, &place)) return place;
+  memcpy(y, stage == a->last ? y_here(run) : y_there(run), (size_t)n * sizeof *y);
+  for (int j = 0; j < stage && j < a->across && stage != a->last; j++) {
+    const lamc_real weight = a->weight[stage * a->across + j];
+    const lamc_real *earlier = lamc_run_slope(run, a, j);
+    for (int i = 0; i < n && weight != 0; i++) y[i] += h * weight * earlier[i];
+  }
+  return lamc_place_beside(s, t, y, slope + s->motion.model->coordinate_count);
+}
+
+/* One stage: dS/dt there. argument, y: (n, width) and (n,) of scratch */
 static inline void lamc_replay_stage(lamc_sensitivity *s, const tableau *a, int stage, lamc_real *argument,
                                      lamc_real *y) {
-  const lamc_run *run = &s->run;
-  const int n = run->ode.n, nq = s->motion.model->coordinate_count;
-  const lamc_real h = run->h_last;
-  memcpy(y, y_there(run), (size_t)n * sizeof *y);
-  for (int j = 0; j < stage && j < a->across; j++) {
-    const lamc_real weight = a->weight[stage * a->across + j];
-    const lamc_real *slope = lamc_run_slope(run, a, j);
-    for (int i = 0; i < n && weight != 0; i++) y[i] += h * weight * slope[i];
-  }
-  lamc_replay_argument(s, a, stage, h, argument);
-  lamc_vary(s, run->t_old + a->node[stage] * h, y, lamc_run_slope(run, a, stage) + nq, argument,
-            lamc_slope_of(s, stage));
+  const lamc_place place = lamc_stage_place(s, a, stage, y);
+  lamc_replay_argument(s, a, stage, s->run.h_last, argument);
+  lamc_vary(s, &place, argument, lamc_slope_of(s, stage));
 }
 
 /* S over the last step of an explicit method, from `start` to `end`; argument and y: scratch, (n, width) and (n,) */
 static inline void lamc_replay(lamc_sensitivity *s, lamc_real *argument, lamc_real *y) {
   const lamc_run *run = &s->run;
   const tableau a = lamc_tableau(run->method);
-  const int nq = s->motion.model->coordinate_count;
   const size_t bytes = (size_t)run->ode.n * (size_t)s->width * sizeof *argument;
   int first = 0;
   if (s->has_slope) { /* the last slope of the step before, and of the same method or not: S and y are the same */
@@ -117,8 +124,9 @@ static inline void lamc_replay(lamc_sensitivity *s, lamc_real *argument, lamc_re
   }
   for (int stage = first; stage < a.last; stage++) lamc_replay_stage(s, &a, stage, argument, y);
   lamc_replay_argument(s, &a, a.last, run->h_last, s->end);
-  lamc_vary_settle(s, run->t, y_here(run), s->end, argument);
-  lamc_vary(s, run->t, y_here(run), slope_here(run) + nq, s->end, lamc_slope_of(s, a.last));
+  const lamc_place end = lamc_stage_place(s, &a, a.last, y);
+  if (s->motion.model->cut_count > 0) lamc_vary_settle_at(s, &end, s->end, argument);
+  lamc_vary(s, &end, s->end, lamc_slope_of(s, a.last));
   s->slope_count = a.last + 1;
   s->has_slope = 1;
 }

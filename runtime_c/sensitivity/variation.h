@@ -7,9 +7,9 @@
 
 #include "lamc_sensitivity.h"
 
-#include "cholesky.h"
 #include "loop_columns.h"
 #include "loops.h"
+#include "memory.h"
 #include "method.h"
 #include "motion.h"
 #include "packs.h"
@@ -21,18 +21,29 @@ typedef struct variation {
   int nq, nu, m, n, k, width;
   int held_count, held_width; /* what clocks hold, and the width of its derivatives */
   const lamc_real *held;
-  lamc_real *udot, *lambda, *derivative, *inertia, *l, *x, *goal, *goals, *packs;
+  lamc_real *udot, *lambda, *derivative, *x, *goal, *goals, *packs;
 } variation;
+
+/* 1 if a model gives accelerations as they are: its derivatives are solved with factors of M of their own */
+static inline int lamc_is_plain(const lamc_model *model) {
+  return model->acceleration != NULL && model->cut_count == 0;
+}
+
+/* Columns of S, padded to whole packs */
+static inline int lamc_columns_width(int columns) {
+  return (columns + PACK - 1) / PACK * PACK;
+}
 
 static inline long long lamc_variation_size(const lamc_model *model, int k, int width) {
   const long long nq = model->coordinate_count, nu = model->rate_count, m = model->closure_count, n = nq + nu;
   const long long flow = model->rates == NULL ? 0 : nq * n;
-  const long long held = model->held_count, residuals = (nu + m) * (n + k + held) + flow,
+  const long long factors = lamc_is_plain(model) ? nu * (nu + 1) / 2 : 0;
+  const long long held = model->held_count, residuals = (nu + m) * (n + k + held) + flow + factors,
                   closure = m * (nq + k + n + k);
   const long long guards = (model->guard_count + held) * (n + 1 + k + held);
   long long most = residuals > closure ? residuals : closure;
   if (guards > most) most = guards;
-  return nu + m + most + nu * (nu + 1) / 2 + nu * nu + nu + m + m * width + lamc_loop_columns_size(model);
+  return nu + m + most + nu + m + m * width + lamc_loop_columns_size(model);
 }
 
 static inline variation lamc_variation_of(const lamc_sensitivity *s) {
@@ -49,9 +60,7 @@ static inline variation lamc_variation_of(const lamc_sensitivity *s) {
   v.held = s->held;
   v.udot = s->scratch;
   v.lambda = v.udot + v.nu;
-  v.inertia = v.lambda + v.m;
-  v.l = v.inertia + (ptrdiff_t)v.nu * (v.nu + 1) / 2;
-  v.x = v.l + (ptrdiff_t)v.nu * v.nu;
+  v.x = v.lambda + v.m;
   v.goal = v.x + v.nu;
   v.goals = v.goal + v.m;
   v.packs = v.goals + (ptrdiff_t)v.m * v.width;
@@ -62,13 +71,12 @@ static inline variation lamc_variation_of(const lamc_sensitivity *s) {
 /* out (width,) -= value times row */
 static inline void lamc_row_less(int width, lamc_real value, const lamc_real *LAMC_RESTRICT row,
                                  lamc_real *LAMC_RESTRICT out) {
-  for (int b = 0; b < width; b += LANES)
-    for (int i = b; i < b + LANES; i++) out[i] -= value * row[i];
+  for (int b = 0; b < width; b += PACK)
+    lamc_pack_put(out + b, lamc_pack_add(lamc_pack_at(out + b), -value, lamc_pack_at(row + b)));
 }
 
 static inline void lamc_row_scale(int width, lamc_real value, lamc_real *out) {
-  for (int b = 0; b < width; b += LANES)
-    for (int i = b; i < b + LANES; i++) out[i] *= value;
+  for (int b = 0; b < width; b += PACK) lamc_pack_put(out + b, lamc_pack_times(value, lamc_pack_at(out + b)));
 }
 
 /* out (width,) = -(row of derivatives by `count` state components, then by columns) along S, a block of columns at a time */
@@ -87,32 +95,36 @@ static inline void lamc_minus_along(const variation *v, int count, const lamc_re
   }
 }
 
-/* udot and lambda at a state, and the factors that lamc_vary_solve uses; how many equations of loops count.
- * known: udot, where it is known, of a model that gives it as it is; NULL: it is worked out */
-static inline int lamc_vary_prepare(const lamc_sensitivity *s, const variation *v, lamc_real t,
-                                    const lamc_real *y, const lamc_real *known) {
+/* A place of the run's, or one that lies beside it: udot, where it is known, of a model that gives it as it is; NULL: it is
+ * worked out */
+static inline lamc_place lamc_place_beside(lamc_sensitivity *s, lamc_real t, const lamc_real *y,
+                                           const lamc_real *udot) {
   const lamc_model *model = s->motion.model;
+  const variation v = lamc_variation_of(s);
+  lamc_place place = {t, y, v.udot, v.lambda, 0, s->beside.work};
   lamc_series_put(&s->beside, t);
-  if (model->cut_count > 0) return lamc_loops_acceleration(&s->beside, t, y, y + v->nq, v->udot, v->lambda);
-  if (lamc_is_system(model)) {
-    lamc_motion_accelerate(&s->beside, t, y, y + v->nq, v->udot);
-    return 0;
-  }
-  if (known != NULL) {
-    memcpy(v->udot, known, (size_t)v->nu * sizeof *known);
+  if (model->cut_count > 0) {
+    place.count = lamc_loops_acceleration(&s->beside, t, y, y + v.nq, v.udot, v.lambda);
+  } else if (udot != NULL && lamc_is_plain(model)) {
+    place.udot = udot;
   } else {
-    lamc_motion_accelerate(&s->beside, t, y, y + v->nq, v->udot);
+    lamc_motion_accelerate(&s->beside, t, y, y + v.nq, v.udot);
   }
-  model->inertia(s->beside.constants, y, v->inertia);
-  lamc_cholesky(v->nu, v->inertia, v->l);
-  return 0;
+  return place;
+}
+
+/* The motion beside the run, with the factors of a place */
+static inline lamc_motion lamc_motion_at(const lamc_sensitivity *s, lamc_real *work) {
+  lamc_motion motion = s->beside;
+  motion.work = work;
+  return motion;
 }
 
 /* rows (nu, width) replaced by x of M x = rows + J^T ..., J x + goals = 0, by columns; goals (m, width) */
-static inline void lamc_vary_solve_loops(const lamc_sensitivity *s, const variation *v, int count,
+static inline void lamc_vary_solve_loops(const lamc_motion *motion, const variation *v, int count,
                                          int columns, lamc_real *rows) {
   lamc_loop_parts p;
-  lamc_loop_parts_of(&s->beside, &p);
+  lamc_loop_parts_of(motion, &p);
   if (lamc_has_loop_columns(&p)) {
     lamc_loop_columns(&p, count, v->width, v->goals, rows, v->packs);
     return;
@@ -120,39 +132,49 @@ static inline void lamc_vary_solve_loops(const lamc_sensitivity *s, const variat
   for (int c = 0; c < columns; c++) {
     for (int i = 0; i < v->nu; i++) v->x[i] = rows[(ptrdiff_t)i * v->width + c];
     for (int i = 0; i < v->m; i++) v->goal[i] = v->goals[(ptrdiff_t)i * v->width + c];
-    lamc_loops_response(&s->beside, count, v->goal, v->x);
+    lamc_loops_response(motion, count, v->goal, v->x);
     for (int i = 0; i < v->nu; i++) rows[(ptrdiff_t)i * v->width + c] = v->x[i];
   }
 }
 
-/* dS/dt (n, width) at a state y with derivatives sens (n, width). known: as for lamc_vary_prepare */
-static inline void lamc_vary(lamc_sensitivity *s, lamc_real t, const lamc_real *y, const lamc_real *known,
-                             const lamc_real *sens, lamc_real *slope) {
+/* rows (nu, width): what moves S, solved already in a plain model; goals: what the loops ask for */
+static inline void lamc_vary_along(const lamc_sensitivity *s, const variation *v, const lamc_real *sens,
+                                   lamc_real *rows) {
+  const int across = v->n + v->k + v->held_count;
+  memset(rows, 0, (size_t)v->nu * (size_t)v->width * sizeof *rows);
+  memset(v->goals, 0, (size_t)v->m * (size_t)v->width * sizeof *rows);
+  for (int j = 0; j < v->held_count; j++) {
+    const lamc_real *held = v->held + (ptrdiff_t)j * v->held_width, *value = v->derivative + v->n + v->k + j;
+    const int width = v->width < v->held_width ? v->width : v->held_width;
+    for (int i = 0; i < v->nu; i++)
+      lamc_row_less(width, value[(ptrdiff_t)i * across], held, rows + (ptrdiff_t)i * v->width);
+    for (int i = 0; i < v->m; i++)
+      lamc_row_less(width, -value[(ptrdiff_t)(v->nu + i) * across], held, v->goals + (ptrdiff_t)i * v->width);
+  }
+  s->tangents->along(v->derivative, v->width, sens, rows, v->goals);
+}
+
+/* dS/dt (n, width) at a place with derivatives sens (n, width) */
+static inline void lamc_vary(lamc_sensitivity *s, const lamc_place *at, const lamc_real *sens,
+                             lamc_real *slope) {
   const lamc_model *model = s->motion.model;
   const variation v = lamc_variation_of(s);
-  const int across = v.n + v.k + v.held_count;
-  lamc_series_put(&s->beside, t);
-  const int count = lamc_vary_prepare(s, &v, t, y, known);
   lamc_real *late = slope + (ptrdiff_t)v.nq * v.width;
-  s->tangents->residuals(s->beside.constants, t, y, y + v.nq, v.udot, v.lambda, v.derivative);
+  lamc_series_put(&s->beside, at->t);
+  s->tangents->residuals(s->beside.constants, at->t, at->y, at->y + v.nq, at->udot, at->lambda, v.derivative);
   s->evaluations++;
-  for (int i = 0; i < v.nu; i++)
-    lamc_minus_along(&v, v.n, v.derivative + (ptrdiff_t)i * across, sens, late + (ptrdiff_t)i * v.width);
+  lamc_vary_along(s, &v, sens, late);
   if (model->cut_count > 0) {
-    for (int i = 0; i < v.m; i++) {
-      lamc_real *goal = v.goals + (ptrdiff_t)i * v.width;
-      lamc_minus_along(&v, v.n, v.derivative + (ptrdiff_t)(v.nu + i) * across, sens, goal);
-      lamc_row_scale(v.width, -1, goal);
-    }
-    lamc_vary_solve_loops(s, &v, count, s->column_count, late);
-  } else {
-    lamc_solve_columns(v.nu, lamc_is_system(model) ? s->beside.work : v.l, v.width, late);
+    const lamc_motion there = lamc_motion_at(s, at->work);
+    lamc_vary_solve_loops(&there, &v, at->count, s->column_count, late);
+  } else if (lamc_is_system(model)) {
+    lamc_solve_columns(v.nu, at->work, v.width, late);
   }
   if (model->rates == NULL) {
     memcpy(slope, sens + (ptrdiff_t)v.nq * v.width, (size_t)v.nq * (size_t)v.width * sizeof *slope);
     return;
   }
-  const lamc_real *flow = v.derivative + (ptrdiff_t)(v.nu + v.m) * across;
+  const lamc_real *flow = v.derivative + (ptrdiff_t)(v.nu + v.m) * (v.n + v.k + v.held_count);
   variation only_state = v;
   only_state.k = only_state.held_count = 0;
   for (int i = 0; i < v.nq; i++) {
@@ -172,15 +194,15 @@ static inline void lamc_vary_move(const lamc_sensitivity *s, const variation *v,
   }
 }
 
-/* S (n, width) brought to what closure asks for: J dq + phi_p = 0, and the same of its rates, by the smallest move in the
- * mass metric. rows: (nu, width) of scratch */
-static inline void lamc_vary_settle(lamc_sensitivity *s, lamc_real t, const lamc_real *y, lamc_real *sens,
-                                    lamc_real *rows) {
-  if (s->motion.model->cut_count == 0) return;
+/* S (n, width) brought to what closure asks for at a place: J dq + phi_p = 0, and the same of its rates, by the smallest
+ * move in the mass metric. rows: (nu, width) of scratch */
+static inline void lamc_vary_settle_at(lamc_sensitivity *s, const lamc_place *at, lamc_real *sens,
+                                       lamc_real *rows) {
   variation v = lamc_variation_of(s);
   v.held_count = 0; /* closure knows nothing of it */
   const int part = v.nq + v.k, across = part + v.n + v.k;
-  const int count = lamc_loops_weigh(&s->beside, t, y, y + v.nq);
+  const lamc_motion there = lamc_motion_at(s, at->work);
+  const lamc_real *y = at->y;
   lamc_real *late = sens + (ptrdiff_t)v.nq * v.width;
   for (int level = 0; level < 2; level++) {
     s->tangents->closure(s->beside.constants, y, y + v.nq, v.derivative);
@@ -191,13 +213,21 @@ static inline void lamc_vary_settle(lamc_sensitivity *s, lamc_real t, const lamc
       lamc_row_scale(v.width, -1, goal);
     }
     memset(rows, 0, (size_t)v.nu * (size_t)v.width * sizeof *rows);
-    lamc_vary_solve_loops(s, &v, count, s->column_count, rows);
+    lamc_vary_solve_loops(&there, &v, at->count, s->column_count, rows);
     if (level == 0) {
       lamc_vary_move(s, &v, y, rows, sens);
     } else {
       for (ptrdiff_t i = 0; i < (ptrdiff_t)v.nu * v.width; i++) late[i] += rows[i];
     }
   }
+}
+
+static inline void lamc_vary_settle(lamc_sensitivity *s, lamc_real t, const lamc_real *y, lamc_real *sens,
+                                    lamc_real *rows) {
+  if (s->motion.model->cut_count == 0) return;
+  const int count = lamc_loops_weigh(&s->beside, t, y, y + s->motion.model->coordinate_count);
+  const lamc_place at = {t, y, NULL, NULL, count, s->beside.work};
+  lamc_vary_settle_at(s, &at, sens, rows);
 }
 
 #endif /* LAMC_VARIATION_H */

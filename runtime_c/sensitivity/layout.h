@@ -1,0 +1,78 @@
+/* layout.h, of lamc: where the numbers of a run with derivatives lie.
+ *
+ * In: the sizes of a model, and how many columns S has. Out: how many numbers `work` takes; its parts.
+ * Never: reads what is in them. */
+#ifndef LAMC_LAYOUT_H
+#define LAMC_LAYOUT_H
+
+#include "lamc_sensitivity.h"
+
+#include "collocation.h"
+#include "finely.h"
+#include "memory.h"
+
+/* Scratch of a run with derivatives: S (n, width) of an argument; two states; constants; inputs; what collocation and finer
+ * steps take */
+typedef struct room {
+  lamc_real *argument, *y, *after, *constants, *inputs, *collocation, *fine;
+} room;
+
+enum { SLOPES = 16 };
+
+static inline long long lamc_whole(long long size) {
+  return (size + LANES - 1) / LANES * LANES;
+}
+
+/* Where the parts lie; returns how many numbers they take. s NULL: for the size only */
+static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_model *model, int k,
+                                     int columns, lamc_real *work) {
+  const int n = model->coordinate_count + model->rate_count, width = lamc_columns_width(columns);
+  const long long block = (long long)n * width;
+  const int broad = lamc_collocation_width(n, columns); /* the broadest S that is asked for */
+  const long long inputs = (long long)model->parameter_count + model->geometry_count;
+  const long long sizes[] = {block,
+                             block,
+                             block,
+                             SLOPES * block,
+                             block,
+                             lamc_whole(n),
+                             lamc_whole(n),
+                             lamc_whole(model->constant_count) + LANES,
+                             lamc_whole(model->constant_count) + LANES,
+                             lamc_whole(inputs) + LANES,
+                             lamc_whole(lamc_collocation_size(n, columns, width)),
+                             lamc_whole(lamc_motion_work_size(model)) + LANES,
+                             lamc_whole(lamc_variation_size(model, k, broad)),
+                             lamc_whole(lamc_fine_size(n, width)),
+                             2LL * model->held_count * width,
+                             lamc_memory_size(model)};
+  enum { PARTS = sizeof sizes / sizeof sizes[0] };
+  long long at[PARTS + 1] = {0};
+  for (int i = 0; i < PARTS; i++) at[i + 1] = at[i] + sizes[i];
+  if (s != NULL) {
+    lamc_real **const of_run[] = {&s->here, &s->start, &s->end, &s->slopes};
+    for (int i = 0; i < 4; i++) *of_run[i] = work + at[i];
+    s->beside.constants = work + at[7];
+    s->beside.work = work + at[11];
+    s->scratch = work + at[12];
+    r->argument = work + at[4];
+    r->y = work + at[5];
+    r->after = work + at[6];
+    r->constants = work + at[8];
+    r->inputs = work + at[9];
+    r->collocation = work + at[10];
+    r->fine = work + at[13];
+    s->held = work + at[14];
+    s->remembered = work + at[15];
+    s->held_width = width;
+  }
+  return at[PARTS];
+}
+
+static inline room lamc_room_of(lamc_sensitivity *s) {
+  room r;
+  (void)lamc_lay_out(s, &r, s->motion.model, s->tangents->column_count, s->column_count, s->here);
+  return r;
+}
+
+#endif /* LAMC_LAYOUT_H */

@@ -82,12 +82,18 @@ def arrivals(tangents: Tangents, points: Array, fit: Fit, rounds: int = ROUNDS) 
         return np.array([rates @ basis for rates in found if rates is not None]).reshape(-1, basis.shape[1])
     forms = tangents.forms
     points = points / np.linalg.norm(points, axis=1, keepdims=True)
-    for _ in range(rounds):
+    passed, known = [points], {points.tobytes(): 0}
+    for number in range(1, rounds + 1):
         products = np.moveaxis(forms @ points.T, 2, 0)
         values = np.einsum("ska,sa->sk", products, points)
         slopes = 2.0 * (products - values[:, :, None] * points[:, None, :])  # along the sphere
         points = points - _least_squares(slopes, values, fit.same)
         points = points / np.linalg.norm(points, axis=1, keepdims=True)
+        before = known.setdefault(points.tobytes(), number)
+        if before < number:  # from here on rounds repeat themselves, bit for bit
+            points = passed[before + (rounds - before) % (number - before)]
+            break
+        passed.append(points)
     values = np.einsum("kab,sa,sb->sk", forms, points, points)
     return np.asarray(points[np.abs(values).max(axis=1, initial=0.0) < fit.zero])
 
@@ -96,10 +102,20 @@ def _least_squares(slopes: Array, values: Array, cutoff: float) -> Array:
     """The shortest steps x (s, d) with the least |slopes x - values|, (s, k, d) and (s, k); singular values below the
     cutoff, of the largest, are none. Where there are many rows, by their products: the next round mends the digits."""
     if slopes.shape[2] <= FEW_FREE:
-        return np.asarray(np.einsum("sak,sk->sa", np.linalg.pinv(slopes, rcond=cutoff), values))
+        return np.asarray(np.einsum("sak,sk->sa", _inverses(slopes, cutoff), values))
     across = np.swapaxes(slopes, 1, 2)
     squares = np.linalg.pinv(across @ slopes, rcond=cutoff**2, hermitian=True)
     return np.asarray((squares @ (across @ values[:, :, None]))[:, :, 0])
+
+
+def _inverses(matrices: Array, cutoff: float) -> Array:
+    """As `numpy.linalg.pinv`, which looks at what it is given for half of the time that matrices so small take."""
+    if not matrices.size:
+        return np.swapaxes(matrices, 1, 2)
+    left, sizes, right = np.linalg.svd(matrices, full_matrices=False)
+    kept = sizes > cutoff * sizes[:, :1]
+    inverse = np.divide(1.0, sizes, where=kept, out=np.zeros_like(sizes))
+    return np.asarray(np.matmul(np.swapaxes(right, 1, 2), inverse[:, :, None] * np.swapaxes(left, 1, 2)))
 
 
 def _joined(tangents: Tangents, start: Array, end: Array, fit: Fit) -> bool:

@@ -135,6 +135,11 @@ def _tracker(cells: _Cells, length_unit: str) -> Table:
     multi = lines[0][1][0].lstrip("#").startswith("multi")
     if multi:
         lines.pop(0)
+    if len(lines) < 2:
+        raise DesignError(
+            "a table of Tracker names its tracks in one line and columns in the next",
+            cells.place(lines[0][0]),
+        )
     (_, tracks), (_, head), *rows = lines
     owners = [""] * len(head)
     own = "" if multi else tracks[0].lstrip("#")

@@ -16,6 +16,7 @@ BESIDE = 0.2  # of a zero's size, in each direction: slopes there are far above 
 FAMILIES = 12  # zeros that are no isolated ones which are looked at
 MOST = 32  # branches: a flat sheet of n lines has 2^n
 WAY = 16  # steps from one of them to another, some 0.3 each
+STILL = 1e-14  # of a point of length one: a step of round-off
 FEW_STARTS, FEW_BRANCHES = 32, 8  # of more than FEW_FREE rates: so many starts in all, and so many branches
 
 
@@ -82,12 +83,18 @@ def arrivals(tangents: Tangents, points: Array, fit: Fit, rounds: int = ROUNDS) 
         return np.array([rates @ basis for rates in found if rates is not None]).reshape(-1, basis.shape[1])
     forms = tangents.forms
     points = points / np.linalg.norm(points, axis=1, keepdims=True)
+    moving = np.ones(len(points), dtype=bool)
     for _ in range(rounds):
-        products = np.moveaxis(forms @ points.T, 2, 0)
-        values = np.einsum("ska,sa->sk", products, points)
-        slopes = 2.0 * (products - values[:, :, None] * points[:, None, :])  # along the sphere
-        points = points - _least_squares(slopes, values, fit.same)
-        points = points / np.linalg.norm(points, axis=1, keepdims=True)
+        at = points[moving]
+        products = np.moveaxis(forms @ at.T, 2, 0)
+        values = np.einsum("ska,sa->sk", products, at)
+        slopes = 2.0 * (products - values[:, :, None] * at[:, None, :])  # along the sphere
+        steps = _least_squares(slopes, values, fit.same)
+        points[moving] = (at - steps) / np.linalg.norm(at - steps, axis=1, keepdims=True)
+        if points.shape[1] > FEW_FREE:  # a round costs milliseconds there, and seven are usual
+            moving[moving] = np.abs(steps).max(axis=1) > STILL
+            if not moving.any():
+                break
     values = np.einsum("kab,sa,sb->sk", forms, points, points)
     return np.asarray(points[np.abs(values).max(axis=1, initial=0.0) < fit.zero])
 

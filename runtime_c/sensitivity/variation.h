@@ -21,7 +21,7 @@ typedef struct variation {
   int nq, nu, m, n, k, width;
   int held_count, held_width; /* what clocks hold, and the width of its derivatives */
   const lamc_real *held;
-  lamc_real *udot, *lambda, *derivative, *inertia, *l, *x, *goal, *goals, *packs;
+  lamc_real *udot, *lambda, *derivative, *inertia, *l, *x, *goal, *goals, *packs, *closure;
 } variation;
 
 static inline long long lamc_variation_size(const lamc_model *model, int k, int width) {
@@ -32,7 +32,8 @@ static inline long long lamc_variation_size(const lamc_model *model, int k, int 
   const long long guards = (model->guard_count + held) * (n + 1 + k + held);
   long long most = residuals > closure ? residuals : closure;
   if (guards > most) most = guards;
-  return nu + m + most + nu * (nu + 1) / 2 + nu * nu + nu + m + m * width + lamc_loop_columns_size(model);
+  return nu + m + most + nu * (nu + 1) / 2 + nu * nu + nu + m + m * width + lamc_loop_columns_size(model) +
+         closure;
 }
 
 static inline variation lamc_variation_of(const lamc_sensitivity *s) {
@@ -55,7 +56,8 @@ static inline variation lamc_variation_of(const lamc_sensitivity *s) {
   v.goal = v.x + v.nu;
   v.goals = v.goal + v.m;
   v.packs = v.goals + (ptrdiff_t)v.m * v.width;
-  v.derivative = v.packs + lamc_loop_columns_size(model);
+  v.closure = v.packs + lamc_loop_columns_size(model);
+  v.derivative = v.closure + (ptrdiff_t)v.m * (v.nq + v.k + v.n + v.k);
   return v;
 }
 
@@ -125,6 +127,20 @@ static inline void lamc_vary_solve_loops(const lamc_sensitivity *s, const variat
   }
 }
 
+/* Derivatives of c = J udot + gamma with what Baumgarte's stabilisation adds to it, 2 b J u + b^2 phi */
+static inline void lamc_vary_stabilise(const lamc_sensitivity *s, const variation *v, const lamc_real *y) {
+  const lamc_real b = s->beside.baumgarte;
+  const int part = v->nq + v->k, across = v->n + v->k;
+  s->tangents->closure(s->beside.constants, y, y + v->nq, v->closure);
+  for (int i = 0; i < v->m; i++) {
+    const lamc_real *gap = v->closure + (ptrdiff_t)i * (part + across), *rate = gap + part;
+    lamc_real *row = v->derivative + (ptrdiff_t)(v->nu + i) * (across + v->held_count);
+    for (int j = 0; j < across; j++) row[j] += 2 * b * rate[j];
+    for (int j = 0; j < v->nq; j++) row[j] += b * b * gap[j];
+    for (int j = 0; j < v->k; j++) row[v->n + j] += b * b * gap[v->nq + j];
+  }
+}
+
 /* dS/dt (n, width) at a state y with derivatives sens (n, width). known: as for lamc_vary_prepare */
 static inline void lamc_vary(lamc_sensitivity *s, lamc_real t, const lamc_real *y, const lamc_real *known,
                              const lamc_real *sens, lamc_real *slope) {
@@ -135,6 +151,7 @@ static inline void lamc_vary(lamc_sensitivity *s, lamc_real t, const lamc_real *
   const int count = lamc_vary_prepare(s, &v, t, y, known);
   lamc_real *late = slope + (ptrdiff_t)v.nq * v.width;
   s->tangents->residuals(s->beside.constants, t, y, y + v.nq, v.udot, v.lambda, v.derivative);
+  if (s->beside.baumgarte != 0) lamc_vary_stabilise(s, &v, y);
   s->evaluations++;
   for (int i = 0; i < v.nu; i++)
     lamc_minus_along(&v, v.n, v.derivative + (ptrdiff_t)i * across, sens, late + (ptrdiff_t)i * v.width);
@@ -176,7 +193,7 @@ static inline void lamc_vary_move(const lamc_sensitivity *s, const variation *v,
  * mass metric. rows: (nu, width) of scratch */
 static inline void lamc_vary_settle(lamc_sensitivity *s, lamc_real t, const lamc_real *y, lamc_real *sens,
                                     lamc_real *rows) {
-  if (s->motion.model->cut_count == 0) return;
+  if (s->motion.model->cut_count == 0 || s->beside.baumgarte != 0) return;
   variation v = lamc_variation_of(s);
   v.held_count = 0; /* closure knows nothing of it */
   const int part = v.nq + v.k, across = part + v.n + v.k;

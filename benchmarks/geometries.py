@@ -28,7 +28,7 @@ from lamc.loops.at_start import loops_of
 from lamc.loops.geometry import geometry_of
 from lamc.loops.starts import Starter
 from lamc.loops.yielding import rigid_scene
-from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.arranging import arrange
 from lamc.mechanism.plan import plan
 from lamc.pipeline import effects_of
 from lamc.records.design import Design

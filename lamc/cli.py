@@ -10,25 +10,22 @@ from typing import TYPE_CHECKING
 import click
 
 from lamc.basics._version import __version__
+from lamc.commands.design_options import (
+    compiler,
+    design,
+    dimensions,
+    hinges,
+    precision,
+    sheeted,
+    sourced,
+    staged,
+)
 from lamc.commands.export_options import export
 from lamc.commands.fit_options import fit
 from lamc.commands.ledger_options import ledger
 from lamc.commands.modes_options import modes
 from lamc.commands.optimise_options import optimise
-from lamc.commands.options import (
-    SETTINGS,
-    Cli,
-    compiler,
-    design,
-    dimensions,
-    folder,
-    hinges,
-    precision,
-    seconds,
-    sheeted,
-    speaking,
-    staged,
-)
+from lamc.commands.options import SETTINGS, Cli, folder, seconds, speaking
 from lamc.commands.plate_options import plate
 from lamc.commands.project_options import convert, new
 from lamc.commands.reference_options import effects, functions, materials, schema
@@ -38,8 +35,7 @@ from lamc.commands.terminal import Terminal
 from lamc.commands.view_options import view
 
 if TYPE_CHECKING:
-    from lamc.commands.inputs import SceneChanges
-    from lamc.records.card import SheetOptions
+    from lamc.commands.inputs import SceneChanges, Source
 
 
 @click.group(cls=Cli, context_settings=SETTINGS, invoke_without_command=True)
@@ -88,15 +84,13 @@ def main(context: click.Context) -> None:
 )
 @click.option("--force", is_flag=True, help="Replace files that were edited or are not lamc's, too.")
 @speaking
+@sourced
 def build(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     changes: "SceneChanges",
-    sheet: "SheetOptions",
     equations: bool,
     out: str | None,
     force: bool,
-    settings: tuple[str, ...],
     terminal: Terminal,
 ) -> int:
     """Write the generated C into a folder that compiles by itself.
@@ -110,9 +104,7 @@ def build(
       lamc build pendulum.cad --equations
     """
     from lamc.commands.build import build as work
-    from lamc.commands.inputs import Source
 
-    source = Source(file, example, sheet=sheet, settings=settings)
     return work(source, changes, out, equations=equations, force=force, terminal=terminal)
 
 
@@ -127,16 +119,12 @@ def build(
     "--t-end", callback=seconds, default="1.0", metavar="SECONDS", help="End of the run that is compared."
 )
 @speaking
+@sourced
 def check(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     changes: "SceneChanges",
-    sheet: "SheetOptions",
-    cc: str | None,
-    fast: bool,
     states: int,
     t_end: float,
-    settings: tuple[str, ...],
     terminal: Terminal,
 ) -> int:
     """Compare generated C, interpreter and an independent formulation.
@@ -155,11 +143,8 @@ def check(
       lamc check pendulum.cad
     """
     from lamc.commands.check import check as work
-    from lamc.commands.inputs import Source
 
-    return work(
-        Source(file, example, cc, fast, sheet=sheet, settings=settings), changes, states, t_end, terminal
-    )
+    return work(source, changes, states, t_end, terminal)
 
 
 @main.command()
@@ -169,14 +154,10 @@ def check(
 @sheeted
 @folder
 @speaking
+@sourced
 def split(
-    file: str | None,
-    example: str | None,
-    hinge_stiffness: str,
-    materials: tuple[str, ...],
-    sheet: "SheetOptions",
+    source: "Source",
     out: str | None,
-    settings: tuple[str, ...],
     terminal: Terminal,
 ) -> int:
     """Find the bodies and hinges of a design; write them as files.
@@ -189,13 +170,8 @@ def split(
       lamc split pendulum.cad --out parts
       lamc split flaps.yaml --hinge-stiffness from-material --material "film=Kapton HN"
     """
-    from lamc.commands.hinge_choice import HingeChoice
-    from lamc.commands.inputs import Source
     from lamc.commands.split import split as work
 
-    source = Source(
-        file, example, hinges=HingeChoice(hinge_stiffness, materials), sheet=sheet, settings=settings
-    )
     return work(source, out, terminal)
 
 
@@ -208,16 +184,11 @@ def split(
 @precision
 @folder
 @speaking
+@sourced
 def bench(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     changes: "SceneChanges",
-    sheet: "SheetOptions",
-    cc: str | None,
-    fast: bool,
-    precision: str,
     out: str | None,
-    settings: tuple[str, ...],
     terminal: Terminal,
 ) -> int:
     """Measure symbolic evaluation against generated C on a design.
@@ -230,11 +201,8 @@ def bench(
       lamc bench pendulum.cad
     """
     from lamc.commands.bench import bench as work
-    from lamc.commands.inputs import Source
 
-    return work(
-        Source(file, example, cc, fast, precision, sheet=sheet, settings=settings), changes, out, terminal
-    )
+    return work(source, changes, out, terminal)
 
 
 main.add_command(convert)

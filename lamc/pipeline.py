@@ -27,7 +27,8 @@ from lamc.loops.kept import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.surveys import LARGE
 from lamc.loops.yielding import rigid_scene
-from lamc.mechanics.arrangement import Arrangement, arrange
+from lamc.mechanics.arrangement import Arrangement
+from lamc.mechanics.arranging import arrange
 from lamc.mechanics.survey import Survey, can_survey, survey_design
 from lamc.mechanics.tangents import Columns
 from lamc.mechanism.plan import plan

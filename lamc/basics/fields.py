@@ -9,7 +9,6 @@ bare, FOLDER, from which the names of files count, and EXPRESSIONS, which reads 
 
 import numbers
 import operator
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -33,6 +32,7 @@ from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError
 from lamc.basics import units
 from lamc.basics.checks import checked_flag, checked_name, did_you_mean, is_list, shown
 from lamc.basics.errors import DesignError, LamcError
+from lamc.basics.number_text import is_measured
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.basics.units import Quantity, to_si
 
@@ -44,10 +44,6 @@ EXPRESSIONS = "expressions"
 UNIT = "x-unit"  # of numbers, in JSON Schema: SI, "1" for a plain number
 MEANING = "x-meaning"  # of a field, in JSON Schema: its description without words about its form
 
-# No expression begins with a number and goes on with a unit: "3 N*mm" is a quantity, "3*sin(t)" is none.
-_MEASURED = re.compile(
-    r"\s*[-+]?(?:\.[0-9]++|[0-9]++(?:\.[0-9]*+)?+)(?:[eE][-+]?[0-9]++)?+\s*[A-Za-zµμ°(]", re.ASCII
-)
 _PLAIN_WORDS = {  # pydantic speaks of Python's types; people who write files know lists and maps
     "tuple_type": "a list of values is expected here",
     "list_type": "a list of values is expected here",
@@ -161,11 +157,6 @@ class Expressions(Protocol):
 def _quantity(name: str, unit: str) -> Quantity:
     """A kind of number that has the name of its field."""
     return Quantity(name, unit, units.EXAMPLES.get(unit) or f"0.5 {unit}".rstrip())
-
-
-def is_measured(text: str) -> bool:
-    """True for a number with a unit, which no expression looks like."""
-    return _MEASURED.match(text) is not None
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ BINDING = "binding.py"
 SOURCES = "source"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Module:
     """A loaded simulator: cffi's `ffi` and `lib`, and where it came from."""
 
@@ -36,6 +36,7 @@ def load_module(folder: Path) -> Module:
     try:
         path = folder / BINDING
         names: dict[str, Any] = {"__name__": f"_lamc_binding_{folder.name}"}
+        # No user's file: lamc wrote it, and `Cache.find` saw that nobody else may write here and that nothing changed.
         exec(compile(path.read_text(encoding="utf-8"), str(path), "exec"), names)
         ffi = names["ffi"]
         lib = ffi.dlopen(str(folder / LIBRARY))

@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import design, dimensions, sheeted, speaking, staged
+from lamc.commands.design_options import design, dimensions, sheeted, sourced, staged
+from lamc.commands.options import speaking
 from lamc.commands.terminal import Terminal
 from lamc.export import TARGETS
 from lamc.run.methods import SHOWN
 
 if TYPE_CHECKING:
-    from lamc.commands.inputs import SceneChanges
-    from lamc.records.card import SheetOptions
+    from lamc.commands.inputs import SceneChanges, Source
 
 
 _HELP = f"""Write a design's simulator, or a plate's elements, for other programs. Targets:
@@ -123,12 +123,11 @@ Examples:
     show_default=False,
 )
 @speaking
+@sourced
 def export(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     target: str,
     changes: "SceneChanges",
-    sheet: "SheetOptions",
     prefix: str | None,
     real_time: bool,
     no_libm: bool,
@@ -145,7 +144,6 @@ def export(
     stock: str | None,
     lossy: bool,
     inputs: str,
-    settings: tuple[str, ...],
     force: bool,
     out: str | None,
     terminal: Terminal,
@@ -153,7 +151,6 @@ def export(
     from lamc.commands.export import ExportOrder, inputs_of
     from lamc.commands.export import export as work
     from lamc.commands.export_plate import edge_length
-    from lamc.commands.inputs import Source
     from lamc.export.options import ExportOptions
 
     options = ExportOptions(
@@ -175,8 +172,6 @@ def export(
         stock=stock,
     )
     return work(
-        ExportOrder(
-            Source(file, example, sheet=sheet, settings=settings), changes, target, options, force, out
-        ),
+        ExportOrder(source, changes, target, options, force, out),
         terminal,
     )

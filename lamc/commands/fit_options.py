@@ -4,12 +4,21 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, design, hinges, precision, settings, sheeted, speaking, staged
+from lamc.commands.design_options import (
+    compiler,
+    design,
+    hinges,
+    precision,
+    settings,
+    sheeted,
+    sourced,
+    staged,
+)
+from lamc.commands.options import speaking
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
-    from lamc.commands.inputs import SceneChanges
-    from lamc.records.card import SheetOptions
+    from lamc.commands.inputs import SceneChanges, Source
 
 
 @click.command()
@@ -78,9 +87,9 @@ if TYPE_CHECKING:
     show_default=False,
 )
 @speaking
+@sourced
 def fit(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     data: tuple[str, ...],
     maps: tuple[str, ...],
     free: tuple[str, ...],
@@ -92,14 +101,7 @@ def fit(
     starts: int,
     seed: int,
     design: tuple[str, ...],
-    settings: tuple[str, ...],
     changes: "SceneChanges",
-    hinge_stiffness: str,
-    materials: tuple[str, ...],
-    sheet: "SheetOptions",
-    cc: str | None,
-    fast: bool,
-    precision: str,
     no_pictures: bool,
     out: str | None,
     terminal: Terminal,
@@ -122,13 +124,9 @@ def fit(
     """
     from lamc.commands.fit import FitOrder
     from lamc.commands.fit import fit as work
-    from lamc.commands.hinge_choice import HingeChoice
-    from lamc.commands.inputs import Source
 
     order = FitOrder(
-        source=Source(
-            file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet, settings
-        ),
+        source=source,
         changes=changes,
         data=data,
         maps=maps,

@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, design, dimensions, folder, sheeted, speaking, staged, until
+from lamc.commands.design_options import compiler, design, dimensions, sheeted, sourced, staged
+from lamc.commands.options import folder, speaking, until
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
-    from lamc.commands.inputs import SceneChanges
-    from lamc.records.card import SheetOptions
+    from lamc.commands.inputs import SceneChanges, Source
 
 
 @click.command()
@@ -46,13 +46,10 @@ if TYPE_CHECKING:
 @dimensions
 @folder
 @speaking
+@sourced
 def ledger(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     changes: "SceneChanges",
-    sheet: "SheetOptions",
-    cc: str | None,
-    fast: bool,
     t_end: float | None,
     accuracy: str,
     budget: str,
@@ -61,7 +58,6 @@ def ledger(
     no_effects: bool,
     full: bool,
     only_schema: bool,
-    settings: tuple[str, ...],
     out: str | None,
     terminal: Terminal,
 ) -> int:
@@ -75,14 +71,13 @@ def ledger(
       lamc ledger pendulum.cad
       lamc ledger --example four_bar --t-end 2 --accuracy '0.1 %' --budget '1 min'
     """
-    from lamc.commands.inputs import Source
     from lamc.commands.ledger import LedgerOrder, schema
     from lamc.commands.ledger import ledger as work
 
     if only_schema:
         return schema()
     order = LedgerOrder(
-        source=Source(file, example, cc, fast, sheet=sheet, settings=settings),
+        source=source,
         changes=changes,
         t_end=t_end,
         accuracy=accuracy,

@@ -4,24 +4,21 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import (
+from lamc.commands.design_options import (
     compiler,
     design,
-    folder,
     hinges,
-    looked,
     precision,
-    seconds,
     settings,
     sheeted,
-    speaking,
+    sourced,
     staged,
 )
+from lamc.commands.options import folder, looked, seconds, speaking
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
-    from lamc.commands.inputs import SceneChanges
-    from lamc.records.card import SheetOptions
+    from lamc.commands.inputs import SceneChanges, Source
     from lamc.report.look import Look
 
 
@@ -44,22 +41,15 @@ if TYPE_CHECKING:
 @looked
 @folder
 @speaking
+@sourced
 def modes(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     changes: "SceneChanges",
-    sheet: "SheetOptions",
     count: int,
     stable: bool,
     undamped: bool,
     at: float | None,
     amplitude: str,
-    settings: tuple[str, ...],
-    hinge_stiffness: str,
-    materials: tuple[str, ...],
-    cc: str | None,
-    fast: bool,
-    precision: str,
     no_pictures: bool,
     look: "Look",
     out: str | None,
@@ -80,15 +70,11 @@ def modes(
     """
     from lamc.basics.checks import checked_number
     from lamc.basics.units import ANGLE
-    from lamc.commands.hinge_choice import HingeChoice
-    from lamc.commands.inputs import Source
     from lamc.commands.modes import ModesOrder
     from lamc.commands.modes import modes as work
 
     order = ModesOrder(
-        source=Source(
-            file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet, settings
-        ),
+        source=source,
         changes=changes,
         count=count,
         stable=stable,

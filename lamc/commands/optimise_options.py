@@ -1,16 +1,17 @@
 """The words of `lamc optimise`: its options and their help. What works is imported when the verb runs."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import design, looked, speaking
+from lamc.commands.design_options import design, sourced
+from lamc.commands.options import looked, speaking
 from lamc.commands.study_options import each_run
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
-    from lamc.commands.inputs import SceneChanges
-    from lamc.records.card import SheetOptions
+    from lamc.commands.inputs import SceneChanges, Source
     from lamc.report.look import Look
 
 METHODS = ("auto", "least-squares", "slsqp", "trust-constr", "nelder-mead", "evolution", "cma-es", "nsga2")
@@ -72,9 +73,9 @@ METHODS = ("auto", "least-squares", "slsqp", "trust-constr", "nelder-mead", "evo
     show_default=False,
 )
 @speaking
+@sourced
 def optimise(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     study: str | None,
     vary: tuple[str, ...],
     minimise: tuple[str, ...],
@@ -90,14 +91,7 @@ def optimise(
     integrator: str,
     rows: int | None,
     max_steps: int,
-    settings: tuple[str, ...],
     changes: "SceneChanges",
-    hinge_stiffness: str,
-    materials: tuple[str, ...],
-    sheet: "SheetOptions",
-    cc: str | None,
-    fast: bool,
-    precision: str,
     workers: int | None,
     resume: bool,
     to: tuple[str, ...],
@@ -125,20 +119,15 @@ def optimise(
         --subject-to 'max(abs(h1.rate)) < 5 rad/s'
       lamc optimise crane.yaml --vary facets=3..8 --minimise='-max(tip.z)' --method evolution
     """
-    from lamc.commands.hinge_choice import HingeChoice
-    from lamc.commands.inputs import Source
     from lamc.commands.optimise import OptimiseOrder
     from lamc.commands.optimise import optimise as work
     from lamc.commands.sweep import study_path
     from lamc.studies.bench import RunOptions
 
     if study is not None:
-        file = study_path(study, file, example)
-        example = None
+        source = replace(source, file=study_path(study, source.file, source.example))
     order = OptimiseOrder(
-        source=Source(
-            file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet, settings
-        ),
+        source=source,
         changes=changes,
         vary=vary,
         minimise=minimise,

@@ -1,6 +1,7 @@
 """What the verbs of the command line share: one-line errors, exit codes, and options that return.
 
-In: words. Out: click decorators, and a group whose commands return exit codes. It computes nothing.
+In: words. Out: click decorators, and a group whose commands return exit codes. It computes nothing. Options that name a
+design are in `design_options.py`.
 """
 
 import functools
@@ -12,7 +13,6 @@ from typing import Any
 import click
 
 from lamc.basics.errors import DesignError, RequestError
-from lamc.codegen.options import PRECISIONS
 from lamc.commands.terminal import INTERRUPTED, Terminal, open_streams, tell, unprinted
 
 Function = Callable[..., Any]
@@ -78,15 +78,6 @@ def until(what: str) -> Function:
     return click.option("--t-end", callback=seconds, metavar="SECONDS", help=text)
 
 
-def _settings(of: str) -> Function:
-    text = f"Change a parameter of the design{of}: 0.05 (SI) or '50 mm'."
-    return click.option("--set", "settings", metavar="NAME=VALUE", multiple=True, help=text)
-
-
-dimensions = _settings("")
-settings = _settings(", or of the run")
-
-
 def together(*options: Function) -> Function:
     """Several click decorators as one; the first is shown first."""
     return lambda function: functools.reduce(lambda f, option: option(f), reversed(options), function)
@@ -106,197 +97,6 @@ def speaking(function: Function) -> Function:
         return terminal.guard(lambda: function(terminal=terminal, **given))
 
     return wrapped
-
-
-design = together(
-    click.argument("file", required=False),
-    click.option("--example", metavar="NAME", help="An example instead of FILE; see `lamc examples`."),
-)
-compiler = together(
-    click.option("--cc", metavar="COMMAND", help="C compiler, such as gcc or 'zig cc'."),
-    click.option("--fast", is_flag=True, help="This machine's own instructions, and inline sine and cosine."),
-)
-hinges = together(
-    click.option(
-        "--hinge-stiffness",
-        type=click.Choice(["drawn", "from-material"]),
-        default="drawn",
-        help="Stiffness of hinges: as the file says, or from the flexible layer's material and the hinge's size.",
-    ),
-    click.option(
-        "--material",
-        "materials",
-        metavar="NAME=MATERIAL",
-        multiple=True,
-        help="With from-material: a material of lamc's library (`lamc materials`) in place of the file's NAME.",
-    ),
-)
-_sheet = together(
-    click.option(
-        "--fixed",
-        metavar="FACET",
-        help="Of a sheet: the facet that is held, F12, or a point in it, '10 mm, 20 mm'.  [default: in the middle]",
-        show_default=False,
-    ),
-    click.option(
-        "--card",
-        metavar="CARD",
-        help="Of a sheet: thickness and density.  [default: '0.3 mm, 700 kg/m^3']",
-        show_default=False,
-    ),
-    click.option(
-        "--crease",
-        metavar="STIFFNESS",
-        help="Of a sheet: of creases by length.  [default: '1e-3 N*mm/rad/mm']",
-        show_default=False,
-    ),
-    click.option(
-        "--units",
-        metavar="UNIT",
-        help="Of a sheet: what 1 is.  [default: what the file says, else mm]",
-        show_default=False,
-    ),
-    click.option(
-        "--role",
-        "roles",
-        metavar="LINE=ROLE",
-        multiple=True,
-        help="Of an SVG or DXF file: what lines of a colour or layer are for, red=cut.",
-    ),
-    click.option(
-        "--roles",
-        "roles_file",
-        metavar="FILE",
-        help="Of an SVG or DXF file: the same for many lines, YAML: {'#ff0000': cut, engraving: ignore}.",
-    ),
-    click.option(
-        "--heal",
-        metavar="LENGTH",
-        help="Of an SVG or DXF file: how far ends of lines may be off, '50 um'; 0 mends nothing.",
-    ),
-    click.option(
-        "--facets",
-        type=click.Choice(["rigid", "bend"]),
-        help="Of a sheet of creases: whether facets bend.  [default: where nothing moves otherwise]",
-        show_default=False,
-    ),
-)
-
-
-def sheeted(function: Function) -> Function:
-    """Adds the options of sheets of creases, and hands the function SheetOptions, `sheet`."""
-
-    @functools.wraps(function)
-    def wrapped(
-        *,
-        fixed: str | None,
-        card: str | None,
-        crease: str | None,
-        units: str | None,
-        roles: tuple[str, ...],
-        roles_file: str | None,
-        heal: str | None,
-        facets: Any,
-        **given: Any,
-    ) -> int:
-        from lamc.records.card import Card, SheetOptions, fixed_of, roles_of  # `--help` does without it
-
-        try:
-            every = roles_of(roles)
-            if roles_file is not None:
-                from lamc.readers.drawings.roles_file import read_roles
-
-                every = {**read_roles(roles_file), **every}
-            sheet = SheetOptions(
-                fixed_of(fixed) if fixed else None,
-                Card.of(card) if card else None,
-                crease,
-                units,
-                every or None,
-                heal,
-                facets,
-            )
-        except DesignError as error:
-            raise click.UsageError(str(error)) from error
-        return int(function(sheet=sheet, **given))
-
-    decorated: Function = _sheet(wrapped)
-    return decorated
-
-
-precision = click.option(
-    "--precision",
-    type=click.Choice(PRECISIONS),
-    default="double",
-    help="Arithmetic of accelerations; float leaves errors of some 1e-7 in them, whatever the tolerance.",
-)
-_effects = together(
-    click.option(
-        "--scene",
-        metavar="SCENE",
-        help="What to simulate: a scene of the design by its NAME, or FILE, or FILE:NAME.",
-    ),
-    click.option(
-        "--with",
-        "with_",
-        metavar="EFFECT",
-        multiple=True,
-        help="Add an effect to the scene: NAME or NAME=VALUE, as in a file of scenes.",
-    ),
-    click.option("--without", metavar="EFFECT", multiple=True, help="Leave an effect of the scene out."),
-)
-_start = together(
-    click.option(
-        "--angle",
-        "angles",
-        metavar="HINGE=ANGLE",
-        multiple=True,
-        help="Initial angle: 0.3 (rad) or '20 deg'.",
-    ),
-    click.option(
-        "--rate",
-        "rates",
-        metavar="HINGE=RATE",
-        multiple=True,
-        help="Initial rate: 1.5 (rad/s) or '90 deg/s'.",
-    ),
-    click.option(
-        "--branch",
-        type=int,
-        metavar="N",
-        help="Way out of a singular start: 1, 2, ...; -1 the same the other way.",
-    ),
-)
-
-
-def staged(*, start: bool = True) -> Callable[[Function], Function]:
-    """Adds the options that name a scene and change it, and hands the function a SceneChanges, `changes`.
-
-    start  False for verbs to which it makes no difference where the mechanism starts
-    """
-
-    def decorate(function: Function) -> Function:
-        @functools.wraps(function)
-        def wrapped(
-            *,
-            scene: str | None,
-            with_: tuple[str, ...],
-            without: tuple[str, ...],
-            angles: tuple[str, ...] = (),
-            rates: tuple[str, ...] = (),
-            branch: int | None = None,
-            **given: Any,
-        ) -> int:
-            from lamc.commands.inputs import SceneChanges  # `--help` need not wait for it
-
-            changes = SceneChanges(with_, without, angles, rates, branch, scene)
-            return int(function(changes=changes, **given))
-
-        options: list[Function] = [_effects, _start] if start else [_effects]
-        decorated: Function = together(*options)(wrapped)
-        return decorated
-
-    return decorate
 
 
 def looked(function: Function) -> Function:

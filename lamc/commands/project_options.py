@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import dimensions, sheeted, speaking
+from lamc.commands.design_options import dimensions, sheeted
+from lamc.commands.options import speaking
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:

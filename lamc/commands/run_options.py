@@ -4,25 +4,22 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import (
+from lamc.commands.design_options import (
     compiler,
     design,
     hinges,
-    looked,
     precision,
-    run_folder,
     settings,
     sheeted,
-    speaking,
+    sourced,
     staged,
-    until,
 )
+from lamc.commands.options import looked, run_folder, speaking, until
 from lamc.commands.terminal import Terminal
 from lamc.run.methods import SHOWN
 
 if TYPE_CHECKING:
-    from lamc.commands.inputs import SceneChanges
-    from lamc.records.card import SheetOptions
+    from lamc.commands.inputs import SceneChanges, Source
     from lamc.report.look import Look
 
 
@@ -72,11 +69,10 @@ if TYPE_CHECKING:
 @click.option("--verbose", is_flag=True, help="Name the effects that are not in, each with the reason.")
 @run_folder
 @speaking
+@sourced
 def run(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     changes: "SceneChanges",
-    sheet: "SheetOptions",
     t_end: float | None,
     points: int | None,
     accuracy: str | None,
@@ -84,12 +80,6 @@ def run(
     atol: float | None,
     integrator: str,
     max_steps: int,
-    settings: tuple[str, ...],
-    hinge_stiffness: str,
-    materials: tuple[str, ...],
-    cc: str | None,
-    fast: bool,
-    precision: str,
     energy_balance: bool,
     film: bool,
     no_animation: bool,
@@ -117,17 +107,13 @@ def run(
       lamc run --example pendulum --energy-balance
       lamc run --example crawler --film --camera front
     """
-    from lamc.commands.hinge_choice import HingeChoice
-    from lamc.commands.inputs import Source
     from lamc.commands.run import RunOrder
     from lamc.commands.run import run as work
 
     if no_animation:
         terminal.warn("--no-animation is --no-film now, which is what happens unless --film is there")
     order = RunOrder(
-        source=Source(
-            file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet, settings
-        ),
+        source=source,
         changes=changes,
         t_end=t_end,
         accuracy=accuracy,

@@ -5,7 +5,8 @@ from typing import Any
 
 import click
 
-from lamc.commands.options import compiler, hinges, precision, settings, sheeted, staged, until
+from lamc.commands.design_options import compiler, hinges, precision, settings, sheeted, staged
+from lamc.commands.options import until
 
 Command = Callable[..., Any]
 

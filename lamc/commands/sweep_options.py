@@ -1,16 +1,17 @@
 """The words of `lamc sweep`: its options and their help. What works is imported when the verb runs."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import design, looked, speaking
+from lamc.commands.design_options import design, sourced
+from lamc.commands.options import looked, speaking
 from lamc.commands.study_options import each_run
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
-    from lamc.commands.inputs import SceneChanges
-    from lamc.records.card import SheetOptions
+    from lamc.commands.inputs import SceneChanges, Source
     from lamc.report.look import Look
 
 
@@ -65,9 +66,9 @@ if TYPE_CHECKING:
     show_default=False,
 )
 @speaking
+@sourced
 def sweep(
-    file: str | None,
-    example: str | None,
+    source: "Source",
     study: str | None,
     copy: str | None,
     vary: tuple[str, ...],
@@ -81,14 +82,7 @@ def sweep(
     integrator: str,
     rows: int | None,
     max_steps: int,
-    settings: tuple[str, ...],
     changes: "SceneChanges",
-    hinge_stiffness: str,
-    materials: tuple[str, ...],
-    sheet: "SheetOptions",
-    cc: str | None,
-    fast: bool,
-    precision: str,
     workers: int | None,
     scheduler: str | None,
     resume: bool,
@@ -117,8 +111,6 @@ def sweep(
       lamc sweep flaps.yaml --vary left.stiffness=log:1e-4:1e-2:7 --measure 'time_of(left < 0)' --t-end 2
       lamc sweep flaps.yaml --vary 'left.stiffness=normal(1e-3, 1e-4)' --sample lhs:200 --measure 'max(left)'
     """
-    from lamc.commands.hinge_choice import HingeChoice
-    from lamc.commands.inputs import Source
     from lamc.commands.sweep import SweepOrder, copy_study, study_path
     from lamc.commands.sweep import sweep as work
     from lamc.studies.bench import RunOptions
@@ -126,11 +118,9 @@ def sweep(
     if copy is not None:
         return copy_study(study, copy, terminal)
     if study is not None:
-        file = study_path(study, file, example)
+        source = replace(source, file=study_path(study, source.file, source.example))
     order = SweepOrder(
-        source=Source(
-            file, example, cc, fast, precision, HingeChoice(hinge_stiffness, materials), sheet, settings
-        ),
+        source=source,
         changes=changes,
         vary=vary,
         measures=measures,

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.commands.options import compiler, settings, sheeted, speaking, staged, until
+from lamc.commands.design_options import compiler, settings, sheeted, staged
+from lamc.commands.options import speaking, until
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:

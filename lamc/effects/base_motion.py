@@ -11,7 +11,8 @@ from lamc.basics.errors import DesignError, about
 from lamc.basics.fields import Unit, Vector
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
-from lamc.mechanics.arrangement import Arranging, PrescribedBase
+from lamc.mechanics.arrangement import PrescribedBase
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanics.loads import Loads
 from lamc.symbolic.expression import stage
 from lamc.symbolic.scalars import Scalar

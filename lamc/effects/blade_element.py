@@ -19,7 +19,7 @@ from lamc.basics.fields import Flag, Name, Unit, Vector, Whole
 from lamc.effects.registered import RegisteredEffect
 from lamc.effects.strips import Corners, Strip, Wing, gauss, wing
 from lamc.mechanics.added_inertia import AddedInertia
-from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanics.loads import Loads
 from lamc.records.mechanism import Mechanism
 from lamc.symbolic.algebra import ZERO, Matrix3, Vector3, add, dot, scale

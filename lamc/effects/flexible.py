@@ -14,7 +14,7 @@ from lamc.basics.fields import Flag, Name, Names, Unit, Whole
 from lamc.effects.bender_plies import LaminateField
 from lamc.effects.flexible_plates import BodyPlate, body_plate
 from lamc.effects.registered import RegisteredEffect
-from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.tree import Tree

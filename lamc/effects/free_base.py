@@ -9,7 +9,8 @@ import numpy as np
 from lamc.basics.errors import DesignError
 from lamc.basics.fields import Unit, Vector
 from lamc.effects.registered import RegisteredEffect
-from lamc.mechanics.arrangement import Arranging, FloatingBase
+from lamc.mechanics.arrangement import FloatingBase
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.rotations import snap
 from lamc.records.mechanism import Array, Body

@@ -14,7 +14,7 @@ from lamc.basics.fields import Name, Unit
 from lamc.basics.moved import superseded
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
-from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.records.mechanism import Joint
 from lamc.symbolic.expression import stage

@@ -9,7 +9,7 @@ from lamc.basics.errors import DesignError, about
 from lamc.basics.fields import Name, Unit
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
-from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanics.gears import gear_inertia, gear_of, reflected_inertia
 from lamc.mechanics.loads import Loads
 from lamc.mechanism.tree import Tree

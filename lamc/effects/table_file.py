@@ -10,12 +10,12 @@ from pathlib import Path
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, Place
 from lamc.basics.files import read_bytes
+from lamc.basics.number_text import is_number
 from lamc.basics.units import Quantity, to_si
 
 MAX_BYTES = 1_000_000
 MAX_ROWS = 10_000
 
-_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][-+]?[0-9]++)?", re.ASCII)
 _BLANK = re.compile(r"\s+(?![\[(])")  # a unit belongs to the word before it
 _HEADING_UNIT = re.compile(r"[\[(]([^\])]{1,40})[\])]\s*\Z")
 
@@ -45,7 +45,7 @@ def read_table(path: Path, columns: tuple[Quantity, Quantity]) -> Rows:
             raise DesignError(
                 f"a line of {len(cells)} columns; give two, {columns[0].name} and {columns[1].name}", place
             )
-        if not rows and units == ["", ""] and not any(_NUMBER.fullmatch(c) for c in cells):
+        if not rows and units == ["", ""] and not any(map(is_number, cells)):
             units = [_heading_unit(c, q, place) for c, q in zip(cells, columns, strict=True)]
             continue
         first, second = (_value(c, u, q, place) for c, u, q in zip(cells, units, columns, strict=True))
@@ -74,7 +74,7 @@ def _heading_unit(cell: str, quantity: Quantity, place: Place) -> str:
 
 
 def _value(cell: str, unit: str, quantity: Quantity, place: Place) -> float:
-    if not _NUMBER.fullmatch(cell):
+    if not is_number(cell):
         raise DesignError(
             f"{shown(cell)} is no number; write {quantity.name} with a decimal point, and units into the heading",
             place,

@@ -13,7 +13,8 @@ from lamc.basics.errors import DesignError, about
 from lamc.basics.fields import Names, Unit, Vector
 from lamc.effects.hinge_strips import Given, strips_of
 from lamc.effects.registered import RegisteredEffect
-from lamc.mechanics.arrangement import CROSS_FREEDOMS, Arranging, CompliantHinge
+from lamc.mechanics.arrangement import CROSS_FREEDOMS, CompliantHinge
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanics.loads import Loads
 from lamc.records.mechanism import Joint
 

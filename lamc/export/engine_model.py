@@ -24,7 +24,8 @@ from lamc.effects.registry import choose
 from lamc.export.engine_inertia import drawn_jacobian, drawn_mass_matrix, freedoms, robust_inertia, time_step
 from lamc.export.engine_names import engine_names
 from lamc.export.engine_start import joint_start
-from lamc.mechanics.arrangement import FloatingBase, arrange
+from lamc.mechanics.arrangement import FloatingBase
+from lamc.mechanics.arranging import arrange
 from lamc.mechanism.plan import plan
 from lamc.mechanism.tree import WORLD, Cut, Tree
 from lamc.records.effect import Effect, overrides

@@ -47,7 +47,8 @@ def candidates(
         raise RequestError(f"candidates are {shown(columns)}; give names of columns, ['h2', 'link_2.x']")
     unknowns = fit.setting.unknowns
     inner = fit.solved.inner
-    jacobian = fit.solved.objective.jacobian(inner) / fit.account.noise
+    objective = fit.solved.objective
+    jacobian = objective.jacobian(inner, objective.predictions(inner, sloped=True)) / fit.account.noise
     known = jacobian.T @ jacobian
     found = [_candidate(fit, column, markers or {}, known, unknowns.rates(inner)) for column in columns]
     return tuple(sorted(found, key=lambda each: -each.shrinks))

@@ -16,12 +16,13 @@ from lamc.codegen.options import CompileOptions
 from lamc.fitting.answer import Fit, compared_of, remarks
 from lamc.fitting.cameras import camera_starts
 from lamc.fitting.exact import Exact
+from lamc.fitting.losses import LOSSES
 from lamc.fitting.objective import Objective, first_sigmas
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import setting_of
 from lamc.fitting.shooting import growth, shoot
 from lamc.fitting.simulators import Simulators
-from lamc.fitting.solve import LOSSES, Solved, elsewhere, is_poor, left_over, solve
+from lamc.fitting.solve import Solved, elsewhere, is_poor, left_over, solve
 from lamc.fitting.uncertainty import account_of, correlated
 from lamc.fitting.unknowns import Unknowns, begun_at
 from lamc.records.mechanism import Mechanism
@@ -148,8 +149,9 @@ def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
     if not np.isfinite(solved.cost):
         raise RequestError(f"no fit: {solved.message}")
     objective, inner = solved.objective, solved.inner
-    jacobian = objective.jacobian(inner, fine=True)
-    account = account_of(unknowns, inner, objective.residual(inner), jacobian, loss, predictor.runs.known_to)
+    found = objective.predictions(inner, sloped=True, fine=True)
+    residual, jacobian = objective.residual(inner, found), objective.jacobian(inner, found)
+    account = account_of(unknowns, inner, residual, jacobian, loss, predictor.runs.known_to)
     compared = compared_of(predictor, solved)
     values = dict(zip(unknowns.names, unknowns.values(inner).tolist(), strict=True))
     notes = [*setting.notes, *predictor.runs.notes, *solved.notes, *remarks(compared)]

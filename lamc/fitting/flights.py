@@ -32,6 +32,7 @@ class Task:
     times       (m,), s, ascending, none before t_start
     sizes       by parameter: of the change of it that counts as one
     which       recording it is of
+    loosely     whether it need be no better than what a solver walks by
     directions  (n, r): how the start follows from r numbers, of which a change of one is of the size of `reaches` (r,)
     """
 
@@ -44,6 +45,7 @@ class Task:
     directions: Array = field(default_factory=lambda: np.zeros((0, 0)))
     reaches: Array = field(default_factory=lambda: np.zeros(0))
     which: int = 0
+    loosely: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +78,14 @@ class Runs(Protocol):
     def notes(self) -> list[str]:
         """Where they may not hold."""
 
+    @property
+    def at_once(self) -> bool:
+        """Whether states and slopes come of one run."""
+
+    @property
+    def forgets(self) -> bool:
+        """Whether a flight follows from its task alone."""
+
     def flight(self, task: Task) -> Flight:
         """States alone."""
 
@@ -84,7 +94,11 @@ class Runs(Protocol):
 
 
 class Differences:
-    """Slopes by differences of runs: two for each number while a solver walks, four where they are to be trusted."""
+    """Slopes by differences of runs: two for each number while a solver walks, four where they are to be trusted. Its
+    runs are never loose: differences are taken of them."""
+
+    at_once = False
+    forgets = True
 
     def __init__(
         self, integrator: str = "auto", rtol: float = RTOL, atol: float = ATOL, max_steps: int = 1_000_000

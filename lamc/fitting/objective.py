@@ -1,7 +1,7 @@
 """What a fit makes small: residuals of all recordings over their noise, and of priors.
 
 In: a predictor, weights. Out: residuals (N,) and their Jacobian (N, p) by a solver's vector. Gaps are left out. Where a
-run fails, residuals are as large as nothing seen so far, so that a solver steps back.
+run fails there are none, and `failures` says why.
 """
 
 from dataclasses import dataclass, field
@@ -10,11 +10,13 @@ from functools import cached_property
 import numpy as np
 
 from lamc.basics.errors import DesignError, LamcError
+from lamc.fitting.losses import cost_of, weighed
 from lamc.fitting.predictions import Prediction, Predictor
 from lamc.fitting.signals import Column
+from lamc.fitting.trust import Local, local_of
 from lamc.run.request import Array
 
-_FAR = 1e3  # times the data's own size: a run that failed
+NOTHING = Local(np.inf, np.zeros((0, 0)), np.zeros(0))
 
 
 @dataclass(eq=False)
@@ -26,7 +28,6 @@ class Objective:
     sigmas: list[Array]
     share: float = 1.0
     failures: list[str] = field(default_factory=list)
-    _known: tuple[bytes, Array] | None = None
 
     @cached_property
     def measured(self) -> list[Array]:
@@ -43,50 +44,49 @@ class Objective:
         priors = sum(u.free.prior is not None for u in self.predictor.setting.unknowns.all)
         return priors + sum(int(np.isfinite(each).sum()) for each in self.measured)
 
-    def residual(self, inner: Array) -> Array:
-        key = inner.tobytes()
-        if self._known is None or self._known[0] != key:
-            self._known = key, self._residual(inner)
-        return self._known[1]
-
-    def predictions(self, inner: Array, *, sloped: bool, fine: bool = False) -> list[Prediction]:
+    def predictions(
+        self, inner: Array, *, sloped: bool, fine: bool = False, loosely: bool = False
+    ) -> list[Prediction]:
         """Of all recordings. Raises LamcError for a start that cannot be had."""
         values = self.predictor.setting.unknowns.values(inner)
         return [
-            self.predictor.prediction(k, values, sloped=sloped, fine=fine) for k in range(len(self.sigmas))
+            self.predictor.prediction(k, values, sloped=sloped, fine=fine, loosely=loosely)
+            for k in range(len(self.sigmas))
         ]
 
-    def _residual(self, inner: Array) -> Array:
+    def tried(self, inner: Array, *, sloped: bool, loosely: bool = False) -> list[Prediction] | None:
+        """The same, or None where a run fails."""
         try:
-            found = self.predictions(inner, sloped=False)
+            found = self.predictions(inner, sloped=sloped, loosely=loosely)
         except DesignError as error:  # of a start, or a drawing, that cannot be
             self.failures.append(error.message)
-            return np.full(self.count, _FAR)
-        parts = []
-        for measured, prediction, sigma in zip(self.measured, found, self.sigmas, strict=True):
+            return None
+        for measured, each in zip(self.measured, found, strict=True):
             good = np.isfinite(measured)
-            if prediction.message or not np.isfinite(prediction.values[good]).all():
-                self.failures.append(prediction.message or "the run gives no finite numbers")
-                spread = np.nanstd(measured, axis=0) + np.abs(np.nanmean(measured, axis=0)) + sigma
-                parts.append((np.ones_like(measured) * _FAR * spread / sigma)[good])
-            else:
-                parts.append(((prediction.values - measured) / sigma)[good])
+            if each.message or not (
+                np.isfinite(each.values[good]).all() and np.isfinite(each.slopes[good]).all()
+            ):
+                self.failures.append(each.message or "the run gives no finite numbers")
+                return None
+        return found
+
+    def residual(self, inner: Array, found: list[Prediction]) -> Array:
+        """(N,), of predictions at a solver's vector."""
+        parts = [
+            ((each.values - measured) / sigma)[np.isfinite(measured)]
+            for measured, each, sigma in zip(self.measured, found, self.sigmas, strict=True)
+        ]
         return np.concatenate([*parts, self._priors(inner)])
 
-    def fresh(self, inner: Array) -> Array:
-        """The residual, computed anew: runs may hold more than the vector says."""
-        return self._residual(inner)
-
-    def jacobian(self, inner: Array, *, fine: bool = False) -> Array:
+    def jacobian(self, inner: Array, found: list[Prediction]) -> Array:
         """(N, p), by the solver's vector. Raises LamcError where there is none."""
-        return self.jacobians(inner, fine=fine)[0]
+        return self.jacobians(inner, found)[0]
 
-    def jacobians(self, inner: Array, *, fine: bool = False) -> tuple[Array, Array]:
+    def jacobians(self, inner: Array, found: list[Prediction]) -> tuple[Array, Array]:
         """The same, and (N, e) by what else runs know their slopes by."""
         setting = self.predictor.setting
         rates = setting.unknowns.rates(inner)
         parts, others = [], []
-        found = self.predictions(inner, sloped=True, fine=fine)
         for run, measured, prediction, sigma in zip(
             setting.runs, self.measured, found, self.sigmas, strict=True
         ):
@@ -114,6 +114,36 @@ class Objective:
                 if u.free.prior is not None
             ]
         )
+
+
+@dataclass(frozen=True, eq=False)
+class Weighed:
+    """An objective under a loss: the problem that a solver makes least. loosely: by runs that are good enough to walk
+    by."""
+
+    objective: Objective
+    loss: str
+    loosely: bool = False
+
+    @property
+    def known_to(self) -> float:
+        return self.objective.predictor.runs.known_to
+
+    @property
+    def at_once(self) -> bool:
+        return self.objective.predictor.at_once
+
+    def cost(self, x: Array) -> float:
+        found = self.objective.tried(x, sloped=False, loosely=self.loosely)
+        return np.inf if found is None else cost_of(self.objective.residual(x, found), self.loss)
+
+    def local(self, x: Array) -> Local:
+        objective = self.objective
+        found = objective.tried(x, sloped=True, loosely=self.loosely)
+        if found is None:
+            return NOTHING
+        residual, jacobian = objective.residual(x, found), objective.jacobian(x, found)
+        return local_of(cost_of(residual, self.loss), *weighed(residual, jacobian, self.loss))
 
 
 def groups_of(predictor: Predictor) -> list[list[str]]:

@@ -6,7 +6,7 @@ whole, as another drawing has other bodies, masses and points.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from lamc.run.request import Array
 from lamc.run.simulator import Simulator
 
 _START = 1e-5  # rad, rad/s: of differences of starts that close loops
+_KEPT = 2  # predictions of each recording: where a solver stands, and what it tries
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,16 +39,36 @@ class Predictor:
     def __init__(self, setting: Setting, runs: Runs) -> None:
         self.setting, self.runs = setting, runs
         self._signals: dict[tuple[int, int], tuple[Simulator, Signals]] = {}
+        self._known: dict[int, list[tuple[tuple[bytes, bool, bool], Prediction]]] = {}
+
+    @property
+    def at_once(self) -> bool:
+        """Whether values and derivatives come of one run."""
+        return self.runs.at_once and all(u.kind != "dimension" for u in self.setting.unknowns.all)
 
     def numbers(self, values: Array) -> dict[str, float]:
         """Values (p,) of the unknowns by name."""
         return dict(zip(self.setting.unknowns.names, values.tolist(), strict=True))
 
-    def prediction(self, which: int, values: Array, *, sloped: bool, fine: bool = False) -> Prediction:
-        """Of one recording, at values (p,) of the unknowns."""
+    def prediction(
+        self, which: int, values: Array, *, sloped: bool, fine: bool = False, loosely: bool = False
+    ) -> Prediction:
+        """Of one recording, at values (p,) of the unknowns. fine: derivatives to be trusted, where there is a choice;
+        loosely: by a run that is good enough for a solver to walk by."""
+        key = (values.tobytes(), fine and not self.at_once, loosely)
+        known = self._known.setdefault(which, [])
+        for each, found in known:
+            if each == key and (found.slopes.shape[2] or not sloped or found.message):
+                return found
+        found = self._predicted(which, values, sloped=sloped, fine=fine, loosely=loosely)
+        if self.runs.forgets:
+            known[:] = [(key, found), *(pair for pair in known if pair[0] != key)][:_KEPT]
+        return found
+
+    def _predicted(self, which: int, values: Array, *, sloped: bool, fine: bool, loosely: bool) -> Prediction:
         setting, run = self.setting, self.setting.runs[which]
         at = self.numbers(values)
-        found, flight, task, simulator = self._seen(which, at, sloped=sloped, fine=fine)
+        found, flight, task, simulator = self._seen(which, at, sloped=sloped, fine=fine, loosely=loosely)
         if flight.message:
             empty = np.full((len(run.times), len(run.sight.columns)), np.nan)
             return Prediction(empty, np.zeros((*empty.shape, 0)), flight.message)
@@ -56,12 +77,10 @@ class Predictor:
             return Prediction(told, np.zeros((*told.shape, 0)))
         slopes = np.zeros((*told.shape, len(values)))
         signals = self.signals(which, simulator)
-        by_state = np.einsum(
-            "mkj,mjn->mkn", by_signal, signals.slopes(flight.motion, task.times, flight.rows)
-        )
+        by_state = by_signal @ signals.slopes(flight.motion, task.times, flight.rows)
         moved = self.movers(which)
-        for place, column in moved.items():
-            slopes[:, :, place] = np.einsum("mkn,mn->mk", by_state, flight.slopes[:, :, column])
+        by_flight = by_state @ flight.slopes
+        slopes[:, :, list(moved)] = by_flight[:, :, list(moved.values())]
         for place, each in enumerate(setting.unknowns.all):
             if each.name == f"{run.name}.delay":
                 slopes[:, :, place] = -np.einsum(
@@ -73,8 +92,7 @@ class Predictor:
                 slopes[:, :, place] = self._by_dimension(
                     which, at, each.name, each.size, by_signal, fine=fine
                 )
-        beside = np.einsum("mkn,mne->mke", by_state, flight.slopes[:, :, len(moved) :])
-        return Prediction(told, slopes, beside=beside)
+        return Prediction(told, slopes, beside=by_flight[:, :, len(moved) :])
 
     def seen(self, which: int, at: Mapping[str, float]) -> tuple[Array, Flight]:
         """Signals (m, K) of a recording's run at numbers of the unknowns, and the flight."""
@@ -129,10 +147,16 @@ class Predictor:
         return {place: column for column, place in enumerate([*parameters, *starts])}
 
     def _seen(
-        self, which: int, at: Mapping[str, float], *, sloped: bool, fine: bool = False
+        self,
+        which: int,
+        at: Mapping[str, float],
+        *,
+        sloped: bool,
+        fine: bool = False,
+        loosely: bool = False,
     ) -> tuple[Array, Flight, Task, Simulator]:
         """Signals (m, K), the flight, its task and simulator."""
-        task = self.task(which, at, sloped=sloped)
+        task = replace(self.task(which, at, sloped=sloped), loosely=loosely)
         flight = self.runs.sensitive(task, fine=fine) if sloped else self.runs.flight(task)
         if flight.message:
             return np.zeros((0, 0)), flight, task, task.simulator

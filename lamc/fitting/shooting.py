@@ -13,15 +13,17 @@ import numpy as np
 from lamc.basics.errors import LamcError, RequestError
 from lamc.fitting.begins import angle_and_rate
 from lamc.fitting.flights import Flight, Runs, Task
-from lamc.fitting.objective import Objective
-from lamc.fitting.predictions import Predictor
-from lamc.fitting.solve import Solved
+from lamc.fitting.objective import NOTHING, Objective
+from lamc.fitting.predictions import Prediction, Predictor
+from lamc.fitting.solve import Solved, box_of
+from lamc.fitting.trust import Box, Local, local_of, minimise
 from lamc.run.request import Array
 
 GROWTH = 20.0  # of a start's change within a piece: differences that large are still nearly linear
 MOST = 100  # pieces
 _GAPS = (1e-1, 1e-2, 1e-4, 1e-6)  # of the size of a state: what counts as one standard deviation of a gap
 _CLOSED = 1e-4  # of the size of a state: gaps that are told
+_GAIN, _CHANGE = 1e-8, 1e-10  # of the cost and of sizes, as in `solve`
 
 
 class Pieces:
@@ -30,6 +32,8 @@ class Pieces:
     condensed: whether slopes are those of one run through all pieces; else columns behind those of a task are by the
     states of pieces, in the order of recordings and pieces.
     """
+
+    forgets = False  # where pieces begin is no part of a task
 
     def __init__(self, runs: Runs, edges: list[Array], states: list[Array]) -> None:
         self._runs, self.edges, self.states = runs, edges, states
@@ -53,6 +57,10 @@ class Pieces:
     @property
     def notes(self) -> list[str]:
         return self._runs.notes
+
+    @property
+    def at_once(self) -> bool:
+        return self._runs.at_once
 
     @property
     def width(self) -> int:
@@ -143,18 +151,41 @@ class _Penalised:
             at += each.size
         return z[:p]
 
-    def residual(self, z: Array) -> Array:
+    @property
+    def known_to(self) -> float:
+        return self.pieces.known_to
+
+    @property
+    def at_once(self) -> bool:
+        return self.pieces.at_once
+
+    def cost(self, z: Array) -> float:
         inner = self.split(z)
-        found = self.objective.fresh(inner)
-        gaps = [
-            ((end - state) / (self.gap * size)).ravel()
+        found = self.objective.tried(inner, sloped=False)
+        return np.inf if found is None else _half(self._residual(inner, found))
+
+    def local(self, z: Array) -> Local:
+        inner = self.split(z)
+        found = self.objective.tried(inner, sloped=True)
+        if found is None:
+            return NOTHING
+        residual = self._residual(inner, found)
+        return local_of(_half(residual), residual, self._jacobian(inner, found))
+
+    def gaps(self) -> list[Array]:
+        """By recording, (s, n): where pieces end less where the next begin, by the size of a state."""
+        return [
+            (end - state) / size
             for end, state, size in zip(self.pieces.ends, self.pieces.states, self.sizes, strict=True)
         ]
-        return np.asarray(np.nan_to_num(np.concatenate([found, *gaps]), nan=1e6, posinf=1e6, neginf=-1e6))
 
-    def jacobian(self, z: Array) -> Array:
-        inner = self.split(z)
-        by_number, by_state = self.objective.jacobians(inner)
+    def _residual(self, inner: Array, found: list[Prediction]) -> Array:
+        gaps = [each.ravel() / self.gap for each in self.gaps()]
+        return np.concatenate([self.objective.residual(inner, found), *gaps])
+
+    def _jacobian(self, inner: Array, found: list[Prediction]) -> Array:
+        by_number, by_state = self.objective.jacobians(inner, found)
+        width = len(inner) + self.pieces.width
         unknowns = self.objective.predictor.setting.unknowns
         rates = unknowns.rates(inner)
         rows = []
@@ -163,7 +194,7 @@ class _Penalised:
             movers = self.objective.predictor.movers(which)
             slopes = self.pieces.end_slopes[which]
             for k in range(len(states)):
-                row = np.zeros((states.shape[1], len(z)))
+                row = np.zeros((states.shape[1], width))
                 for place, column in movers.items():
                     row[:, place] = slopes[k][:, column] * rates[place]
                 row[:, len(inner) :] = slopes[k][:, len(movers) :]
@@ -181,55 +212,45 @@ def shoot(
 
     count: of pieces; None: as many as the motion asks for. Raises RequestError where states cannot be chosen freely.
     """
-    from scipy import optimize  # `import lamc` does without it
-
     predictor = objective.predictor
     pieces = _cut(predictor, begin, count)
-    parted = Objective(replace_runs(predictor, pieces), objective.sigmas)
+    parted = Objective(Predictor(predictor.setting, pieces), objective.sigmas)
     sizes = [_size_of(each) for each in pieces.states]
     problem = _Penalised(parted, pieces, sizes)
-    low, high = predictor.setting.unknowns.bounds
-    wide = np.full(pieces.width, np.inf)
+    numbers, wide = box_of(predictor.setting.unknowns), np.full(pieces.width, np.inf)
+    by_state = [np.tile(size, len(each)) for size, each in zip(sizes, pieces.states, strict=True)]
+    box = Box(
+        np.append(numbers.low, -wide),
+        np.append(numbers.high, wide),
+        np.concatenate([numbers.sizes, *by_state]),
+    )
     z = np.concatenate([begin, *(each.ravel() for each in pieces.states)])
     steps, message, ended = 0, "steps and gains vanish", False
     for gap in _GAPS:
         problem.gap = gap
         try:
-            found = optimize.least_squares(
-                problem.residual,
-                np.clip(z, np.append(low, -wide), np.append(high, wide)),
-                problem.jacobian,
-                bounds=(np.append(low, -wide), np.append(high, wide)),
-                x_scale="jac",
-                ftol=1e-8,
-                xtol=1e-10,
-                gtol=None,
-                max_nfev=max_steps,
-            )
+            found = minimise(problem, z, box, _GAIN, _CHANGE, max_steps)
         except LamcError as error:
             message = error.message
             break
-        z, ended = found.x, found.status > 0
-        steps += int(found.nfev)
+        z, ended = found.x, found.converged
+        steps += found.steps
     inner = problem.split(z)
-    parted.fresh(inner)
-    gaps = [
-        np.abs(end - state) / size for end, state, size in zip(pieces.ends, pieces.states, sizes, strict=True)
-    ]
-    widest = max((float(each.max(initial=0.0)) for each in gaps), default=0.0)
+    parted.tried(inner, sloped=False)
+    widest = max((float(np.abs(each).max(initial=0.0)) for each in problem.gaps()), default=0.0)
     whole = max(len(each) for each in pieces.edges) + 1
     notes = [f"found by multiple shooting, in {whole} pieces; a run through all of it forgets its start"]
     if not widest < _CLOSED:
         ended, message = False, f"pieces do not meet: gaps of {widest:.2g} of a state's size are left"
     pieces.condensed = True
     final = Objective(parted.predictor, objective.sigmas)
-    cost = 0.5 * float(np.sum(final.fresh(inner) ** 2))
+    through = final.tried(inner, sloped=False)
+    cost = np.inf if through is None else _half(final.residual(inner, through))
     return Solved(inner, cost, ended, message, final, tuple(notes), steps), pieces
 
 
-def replace_runs(predictor: Predictor, runs: Runs) -> Predictor:
-    """The same by other runs."""
-    return Predictor(predictor.setting, runs)
+def _half(residual: Array) -> float:
+    return 0.5 * float(residual @ residual)
 
 
 def growth(predictor: Predictor, begin: Array) -> list[float]:

@@ -1,7 +1,9 @@
-"""Least squares: a trust region within bounds, weights that follow the noise, and other starts where the first fails.
+"""Least squares: a walk by loose runs, its end by exact ones, weights that follow the noise, and other starts where the
+first fails.
 
-In: an objective, a start. Out: a `Solved`. The solver is scipy's (Branch, Coleman & Li 1999, SIAM J. Sci. Comput. 21,
-1-23); it is scaled by the Jacobian (Moré 1978), so that no unit matters.
+In: an objective, a start. Out: a `Solved`. Steps are those of `trust`. Where runs have exact derivatives they are those
+of the run as it is computed, however loosely: the walk comes to where that run is nearest to the data, which is off by
+the run's error, and a step or two of exact runs go the rest.
 """
 
 from dataclasses import dataclass, replace
@@ -9,12 +11,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lamc.basics.errors import LamcError, RequestError, SimulationError
-from lamc.fitting.objective import Objective, groups_of, told_sigmas
+from lamc.fitting.objective import Objective, Weighed, groups_of, told_sigmas
+from lamc.fitting.trust import Box, minimise
+from lamc.fitting.unknowns import Unknowns
 from lamc.run.request import Array
 
-LOSSES = ("linear", "soft_l1", "huber", "cauchy", "arctan")
-_FTOL = 1e-6  # of the cost: of a thousand data, a number moves by 0.03 of its standard error, and by less the next time
-_XTOL = 1e-8  # of the numbers
+_GAIN = 1e-8  # of the cost: of a thousand data, numbers are off by 0.003 of their standard error
+_CHANGE = 1e-9  # of the numbers' sizes, which runs of 1e-10 a step tell, where there is no noise
+# The same for a walk by loose runs, a step before its end: the next comes quadratically nearer, tried by exact runs.
+_NEAR_GAIN, _NEAR_CHANGE = 1e-4, 1e-5
 _POOR = 0.1  # share of the data's variance that is left, above which other starts are looked at
 _FAR_OFF = 3.0  # of logarithms: a factor of twenty either way, from where a fit begins
 _SAME = 1.01  # times the best cost: another way to the same place
@@ -26,7 +31,7 @@ _DEAD = 1e-9  # of the largest column times its range: a gradient that is zero
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """inner: (p,), the solver's vector; cost: half the sum of squares, or of the loss; converged, message: scipy's."""
+    """inner: (p,), the solver's vector; cost: half the sum of squares, or of the loss; message: how it ended."""
 
     inner: Array
     cost: float
@@ -35,6 +40,7 @@ class Solved:
     objective: Objective
     notes: tuple[str, ...] = ()
     steps: int = 0
+    back: Array | None = None  # (p,), of a walk whose end is not looked at: where its last run was
 
 
 def solve(objective: Objective, loss: str, starts: int, seed: int, max_steps: int = 60) -> Solved:
@@ -42,7 +48,6 @@ def solve(objective: Objective, loss: str, starts: int, seed: int, max_steps: in
     change nothing."""
     unknowns = objective.predictor.setting.unknowns
     begin = _inside(objective, unknowns.within(unknowns.start))
-    check_felt(objective, begin)
     found = _weighted(objective, begin, loss, max_steps)
     if is_poor(found):
         found = _grown(found, begin, loss, max_steps)
@@ -70,7 +75,7 @@ def _grown(first: Solved, begin: Array, loss: str, max_steps: int) -> Solved:
         part = Objective(objective.predictor, objective.sigmas, share)
         if part.count <= len(begin):
             continue
-        found = _once(part, inner, loss, max_steps)
+        found = _walked(part, inner, loss, max_steps)
         steps += found.steps
         inner = found.inner
     grown = _weighted(Objective(objective.predictor, objective.sigmas), inner, loss, max_steps)
@@ -82,22 +87,16 @@ def _grown(first: Solved, begin: Array, loss: str, max_steps: int) -> Solved:
 
 
 def _inside(objective: Objective, begin: Array) -> Array:
-    """The start, or SimulationError where it makes no run."""
-    objective.residual(begin)
-    if objective.failures:
+    """The start, or SimulationError where it makes no run; RequestError naming unknowns that nothing measured depends
+    on."""
+    found = objective.tried(begin, sloped=True, loosely=objective.predictor.at_once)
+    if found is None:
         raise SimulationError(
             f"the run from where the fit begins fails: {objective.failures[0]}; begin elsewhere: "
             "lamc.Free(low, high, start=…)"
         )
-    return begin
-
-
-def check_felt(objective: Objective, begin: Array) -> None:
-    """Raises RequestError naming unknowns that nothing measured depends on."""
-    jacobian = objective.jacobian(begin)
     unknowns = objective.predictor.setting.unknowns
-    reach = np.array([1.0 if each.log else each.size for each in unknowns.all])
-    felt = np.linalg.norm(jacobian, axis=0) * reach
+    felt = np.linalg.norm(objective.jacobian(begin, found), axis=0) * box_of(unknowns).sizes
     dead = [
         name
         for name, norm in zip(unknowns.names, felt, strict=True)
@@ -110,65 +109,85 @@ def check_felt(objective: Objective, begin: Array) -> None:
             "fit begins); "
             "free it no more, begin elsewhere, or record what depends on it"
         )
+    return begin
 
 
-def _once(objective: Objective, begin: Array, loss: str, max_steps: int) -> Solved:
-    from scipy import optimize  # `import lamc` does without it
+def box_of(unknowns: Unknowns) -> Box:
+    """Bounds and sizes of a solver's vector."""
+    return Box(*unknowns.bounds, np.array([1.0 if each.log else each.size for each in unknowns.all]))
 
-    unknowns = objective.predictor.setting.unknowns
-    low, high = unknowns.bounds
-    steps = 0
 
-    def slope(inner: Array) -> Array:
-        nonlocal steps
-        steps += 1
-        return objective.jacobian(inner)
-
+def _walked(objective: Objective, begin: Array, loss: str, max_steps: int) -> Solved:
+    """By loose runs, to where exact ones may end it; by exact ones, where runs do not tell their derivatives."""
+    if not objective.predictor.at_once:
+        return _ended(objective, begin, loss, max_steps)
+    box = box_of(objective.predictor.setting.unknowns)
+    problem = Weighed(objective, loss, loosely=True)
     try:
-        found = optimize.least_squares(
-            objective.residual,
-            begin,
-            slope,
-            bounds=(low, high),
-            x_scale="jac",
-            loss=loss,
-            ftol=_FTOL,
-            xtol=_XTOL,
-            gtol=1e-12,
-            max_nfev=max_steps,
-        )
+        found = minimise(problem, begin, box, _NEAR_GAIN, _NEAR_CHANGE, max_steps)
     except LamcError as error:
         return Solved(begin, np.inf, False, error.message, objective)
-    message = {0: f"no end after {max_steps} steps"}.get(found.status, "steps and gains vanish")
     return Solved(
-        unknowns.within(found.x), float(found.cost), found.status > 0, message, objective, steps=steps
+        found.ahead,
+        found.local.cost,
+        found.converged,
+        "not ended",
+        objective,
+        steps=found.steps,
+        back=found.x,
     )
+
+
+def _ended(objective: Objective, begin: Array, loss: str, max_steps: int) -> Solved:
+    """By exact runs."""
+    unknowns = objective.predictor.setting.unknowns
+    try:
+        problem = Weighed(objective, loss)
+        found = minimise(problem, begin, box_of(unknowns), _GAIN, _CHANGE, max_steps)
+    except LamcError as error:
+        return Solved(begin, np.inf, False, error.message, objective)
+    if not np.isfinite(found.local.cost):
+        return Solved(begin, np.inf, False, (objective.failures or ["no run"])[-1], objective)
+    message = "steps and gains vanish" if found.converged else f"no end after {max_steps} steps"
+    inner = unknowns.within(found.x)
+    return Solved(inner, found.local.cost, found.converged, message, objective, steps=found.steps)
+
+
+def _finished(walked: Solved, loss: str, max_steps: int) -> Solved:
+    """The end of a walk."""
+    if walked.back is None:
+        return walked
+    found = _ended(walked.objective, walked.inner, loss, max_steps)
+    if not np.isfinite(found.cost):  # ahead of the walk no run can be made
+        found = _ended(walked.objective, walked.back, loss, max_steps)
+    return replace(found, steps=walked.steps + found.steps)
 
 
 def _weighted(objective: Objective, begin: Array, loss: str, max_steps: int) -> Solved:
     """With weights that follow what is left, where noise of several kinds is not said."""
-    found = _once(objective, begin, loss, max_steps)
+    found = _walked(objective, begin, loss, max_steps)
     setting = objective.predictor.setting
     names = {name for names in groups_of(objective.predictor) for name in names}
     has_priors = any(each.free.prior is not None for each in setting.unknowns.all)
     unsaid = names - {""}
     if not unsaid or not (len(names) > 1 or has_priors or loss != "linear"):
-        return found
+        return _finished(found, loss, max_steps)
     steps = found.steps
     for _ in range(_ROUNDS):
         if not np.isfinite(found.cost):
             break
-        predictions = found.objective.predictions(found.inner, sloped=False)
+        at = found.inner if found.back is None else found.back
+        predictions = found.objective.predictions(at, sloped=False, loosely=found.back is not None)
         sigmas = told_sigmas(objective.predictor, predictions, found.objective.sigmas)
         change = max(
             float(np.max(np.abs(np.log(new / old))))
             for new, old in zip(sigmas, found.objective.sigmas, strict=True)
         )
-        found = _once(Objective(objective.predictor, sigmas), found.inner, loss, max_steps)
+        found = _walked(Objective(objective.predictor, sigmas), found.inner, loss, max_steps)
         steps += found.steps
         if change < 0.05:  # of the weights: intervals move by less than what they are known to
             break
-    return replace(found, steps=steps)
+    return _finished(replace(found, steps=steps), loss, max_steps)
 
 
 def left_over(objective: Objective, inner: Array) -> float:
@@ -191,13 +210,14 @@ def _other_starts(first: Solved, loss: str, starts: int, seed: int, max_steps: i
     objective = first.objective
     unknowns = objective.predictor.setting.unknowns
     low, high = unknowns.bounds
-    reach = np.array([_FAR_OFF if each.log else each.size for each in unknowns.all])
+    reach = box_of(unknowns).sizes * [_FAR_OFF if each.log else 1.0 for each in unknowns.all]
     bottom, top = np.maximum(low, unknowns.start - reach), np.minimum(high, unknowns.start + reach)
     from scipy.stats import qmc  # half a second to load, and most fits do not need it
 
     sampler = qmc.LatinHypercube(len(reach), seed=seed)
     places = bottom + (top - bottom) * sampler.random(_SCREENED * (starts - 1))
-    costs = np.array([float(np.sum(objective.residual(place) ** 2)) for place in places])
+    screened = Weighed(objective, "linear")
+    costs = np.array([screened.cost(place) for place in places])
     order = np.argsort(costs, kind="stable")[: starts - 1]
     found = [first, *(_weighted(objective, places[k], loss, max_steps) for k in order)]
     best = min(found, key=lambda each: left_over(each.objective, each.inner))

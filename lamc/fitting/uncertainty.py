@@ -12,6 +12,8 @@ from itertools import combinations
 
 import numpy as np
 
+from lamc.fitting.losses import weights_of
+from lamc.fitting.trust import triangle_of
 from lamc.fitting.unknowns import Unknown, Unknowns
 from lamc.run.request import Array
 
@@ -62,14 +64,15 @@ def account_of(
     held = _held(inner, low, high)
     free = np.flatnonzero(~held)
     freedom = max(len(residual) - len(free), 1)
-    weights, curves = _loss_of(residual, loss)
+    weights, curves = weights_of(residual, loss)
     noise = math.sqrt(float(np.sum(weights * residual**2)) / freedom)
     sizes = np.array([_size(u, x) for u, x in zip(unknowns.all, inner, strict=True)])
     scaled = np.sqrt(curves)[:, None] * jacobian * sizes
     pushed = scaled * (weights * residual / np.sqrt(curves))[:, None] if loss != "linear" else None
-    _, singular, right = np.linalg.svd(scaled[:, free], full_matrices=False)
+    triangle = triangle_of(scaled[:, free])
+    _, singular, right = np.linalg.svd(triangle)
     null = singular <= max(known_to * float(singular.max(initial=0.0)), noise / _LOST)
-    felt = np.linalg.norm(scaled[:, free], axis=0)
+    felt = np.linalg.norm(triangle, axis=0)
     found = _combinations(unknowns, inner, free, right[null], sizes, felt)
     kept = right[~null]
     spread = (kept.T / singular[~null] ** 2) @ kept
@@ -110,23 +113,6 @@ def _size(unknown: Unknown, inner: float) -> float:
             else unknown.size
         )
     )
-
-
-def _loss_of(residual: Array, loss: str) -> tuple[Array, Array]:
-    """Weights (N,) ρ'(r²) of residuals, and curvatures of the loss, at least a little above zero."""
-    z = residual**2
-    if loss == "linear":
-        return np.ones_like(z), np.ones_like(z)
-    if loss == "soft_l1":
-        first, second = (1.0 + z) ** -0.5, -0.5 * (1.0 + z) ** -1.5
-    elif loss == "huber":
-        first = np.where(z <= 1.0, 1.0, np.maximum(z, 1.0) ** -0.5)
-        second = np.where(z <= 1.0, 0.0, -0.5 * np.maximum(z, 1.0) ** -1.5)
-    elif loss == "cauchy":
-        first, second = 1.0 / (1.0 + z), -1.0 / (1.0 + z) ** 2
-    else:
-        first, second = 1.0 / (1.0 + z**2), -2.0 * z / (1.0 + z**2) ** 2
-    return first, np.maximum(first + 2.0 * second * z, 1e-3)
 
 
 def _intervals(

@@ -16,6 +16,7 @@ BESIDE = 0.2  # of a zero's size, in each direction: slopes there are far above 
 FAMILIES = 12  # zeros that are no isolated ones which are looked at
 MOST = 32  # branches: a flat sheet of n lines has 2^n
 WAY = 16  # steps from one of them to another, some 0.3 each
+STILL = 1e-14  # of a point of length one: a step of round-off
 FEW_STARTS, FEW_BRANCHES = 32, 8  # of more than FEW_FREE rates: so many starts in all, and so many branches
 
 
@@ -82,24 +83,67 @@ def arrivals(tangents: Tangents, points: Array, fit: Fit, rounds: int = ROUNDS) 
         return np.array([rates @ basis for rates in found if rates is not None]).reshape(-1, basis.shape[1])
     forms = tangents.forms
     points = points / np.linalg.norm(points, axis=1, keepdims=True)
-    for _ in range(rounds):
-        products = np.moveaxis(forms @ points.T, 2, 0)
-        values = np.einsum("ska,sa->sk", products, points)
-        slopes = 2.0 * (products - values[:, :, None] * points[:, None, :])  # along the sphere
-        points = points - _least_squares(slopes, values, fit.same)
-        points = points / np.linalg.norm(points, axis=1, keepdims=True)
+    settled = _of_many if points.shape[1] > FEW_FREE else _of_few
+    points = settled(forms, points, fit.same, rounds)
     values = np.einsum("kab,sa,sb->sk", forms, points, points)
     return np.asarray(points[np.abs(values).max(axis=1, initial=0.0) < fit.zero])
+
+
+def _of_few(forms: Array, points: Array, cutoff: float, rounds: int) -> Array:
+    """All rounds; those that repeat themselves, bit for bit, are not computed."""
+    passed, known = [points], {points.tobytes(): 0}
+    for number in range(1, rounds + 1):
+        points = _moved(points, _steps(forms, points, cutoff))
+        before = known.setdefault(points.tobytes(), number)
+        if before < number:
+            return passed[before + (rounds - before) % (number - before)]
+        passed.append(points)
+    return points
+
+
+def _of_many(forms: Array, points: Array, cutoff: float, rounds: int) -> Array:
+    """Rounds until a point stands still: one costs milliseconds there, and seven are usual."""
+    moving = np.ones(len(points), dtype=bool)
+    for _ in range(rounds):
+        at = points[moving]
+        steps = _steps(forms, at, cutoff)
+        points[moving] = _moved(at, steps)
+        moving[moving] = np.abs(steps).max(axis=1) > STILL
+        if not moving.any():
+            break
+    return points
+
+
+def _steps(forms: Array, points: Array, cutoff: float) -> Array:
+    products = np.moveaxis(forms @ points.T, 2, 0)
+    values = np.einsum("ska,sa->sk", products, points)
+    slopes = 2.0 * (products - values[:, :, None] * points[:, None, :])  # along the sphere
+    return _least_squares(slopes, values, cutoff)
+
+
+def _moved(points: Array, steps: Array) -> Array:
+    moved = points - steps
+    return np.asarray(moved / np.linalg.norm(moved, axis=1, keepdims=True))
 
 
 def _least_squares(slopes: Array, values: Array, cutoff: float) -> Array:
     """The shortest steps x (s, d) with the least |slopes x - values|, (s, k, d) and (s, k); singular values below the
     cutoff, of the largest, are none. Where there are many rows, by their products: the next round mends the digits."""
     if slopes.shape[2] <= FEW_FREE:
-        return np.asarray(np.einsum("sak,sk->sa", np.linalg.pinv(slopes, rcond=cutoff), values))
+        return np.asarray(np.einsum("sak,sk->sa", _inverses(slopes, cutoff), values))
     across = np.swapaxes(slopes, 1, 2)
     squares = np.linalg.pinv(across @ slopes, rcond=cutoff**2, hermitian=True)
     return np.asarray((squares @ (across @ values[:, :, None]))[:, :, 0])
+
+
+def _inverses(matrices: Array, cutoff: float) -> Array:
+    """As `numpy.linalg.pinv`, which looks at what it is given for half of the time that matrices so small take."""
+    if not matrices.size:
+        return np.swapaxes(matrices, 1, 2)
+    left, sizes, right = np.linalg.svd(matrices, full_matrices=False)
+    kept = sizes > cutoff * sizes[:, :1]
+    inverse = np.divide(1.0, sizes, where=kept, out=np.zeros_like(sizes))
+    return np.asarray(np.matmul(np.swapaxes(right, 1, 2), inverse[:, :, None] * np.swapaxes(left, 1, 2)))
 
 
 def _joined(tangents: Tangents, start: Array, end: Array, fit: Fit) -> bool:

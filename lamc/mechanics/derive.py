@@ -9,7 +9,8 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from lamc.loops.rank import LoopCount, count_loops
-from lamc.mechanics.arrangement import Arrangement, arrange
+from lamc.mechanics.arrangement import Arrangement
+from lamc.mechanics.arranging import arrange
 from lamc.mechanics.assembly import Solved, Symbols, assemble, collect, symbols_of
 from lamc.mechanics.closure import Closure, close_cycles
 from lamc.mechanics.elimination import Wrench, inertia_wrench, solve_by_elimination

@@ -11,10 +11,11 @@ from pydantic import AfterValidator, BeforeValidator, ValidationInfo, WithJsonSc
 
 from lamc.basics import units
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import EXPRESSIONS, Unit, is_measured
+from lamc.basics.fields import EXPRESSIONS, Unit
 from lamc.basics.fields import LENGTH_UNIT as LENGTH_UNIT
 from lamc.basics.fields import StrictModel as StrictModel
 from lamc.basics.fields import custom as custom
+from lamc.basics.number_text import is_measured
 from lamc.basics.units import length_unit
 
 ALL_LAYERS = "all"

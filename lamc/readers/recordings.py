@@ -21,6 +21,7 @@ import numpy.typing as npt
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, Place
 from lamc.basics.files import read_bytes
+from lamc.basics.number_text import is_number
 from lamc.basics.units import LENGTH, to_si
 
 Array = npt.NDArray[np.float64]
@@ -30,7 +31,6 @@ MOST_COLUMNS = 10_000
 TIMES = ("t", "time", "time (seconds)", "timestamp")
 PIXELS = ("px", "pixel", "pixels")
 
-_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][-+]?[0-9]++)?", re.ASCII)
 _GAPS = ("", "nan", "none", "null", "-")
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+\Z")
 _UNIT = re.compile(r"\s*[\[(]\s*([^\])]{1,40}?)\s*[\])]\s*\Z")
@@ -111,7 +111,7 @@ def _cut(path: Path, lines: Sequence[str], mark: str, *, remarks: bool) -> _Cell
 def _plain(cells: _Cells, time: str | None, length_unit: str) -> Table:
     """A heading, then numbers."""
     number, head = cells.lines[0]
-    if any(_NUMBER.fullmatch(cell) for cell in head):
+    if any(map(is_number, head)):
         raise DesignError(
             f"the first line is {', '.join(head[:4])[:60]!r}, and it must name the columns, with units: t [s], "
             "h1 [deg]",
@@ -135,6 +135,11 @@ def _tracker(cells: _Cells, length_unit: str) -> Table:
     multi = lines[0][1][0].lstrip("#").startswith("multi")
     if multi:
         lines.pop(0)
+    if len(lines) < 2:
+        raise DesignError(
+            "a table of Tracker names its tracks in one line and columns in the next",
+            cells.place(lines[0][0]),
+        )
     (_, tracks), (_, head), *rows = lines
     owners = [""] * len(head)
     own = "" if multi else tracks[0].lstrip("#")
@@ -256,7 +261,7 @@ def _numbers(cells: _Cells, count: int, rows: Sequence[tuple[int, tuple[str, ...
 
 
 def _number(cell: str, cells: _Cells, number: int) -> float:
-    if _NUMBER.fullmatch(cell):
+    if is_number(cell):
         found = float(cell)
         if not math.isfinite(found):
             raise DesignError(f"{cell[:40]} is more than a number can be", cells.place(number))

@@ -20,6 +20,7 @@ import numpy.typing as npt
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import DesignError, Place
 from lamc.basics.files import read_bytes
+from lamc.basics.number_text import is_comma_number, is_number
 from lamc.records.series import first_not_after
 
 Array = npt.NDArray[np.float64]
@@ -30,9 +31,6 @@ MAX_COLUMNS = 10_000
 TIMES = ("t", "time", "times", "zeit", "temps", "timestamp", "seconds")
 GAPS = ("refuse", "bridge")
 
-# No possessive group: in CPython 3.11 such a one has been seen to match "0E".
-_NUMBER = re.compile(r"[-+]?(?:[0-9]++(?:\.[0-9]*+)?|\.[0-9]++)(?:[eE][-+]?[0-9]++)?", re.ASCII)
-_COMMA_NUMBER = re.compile(r"[-+]?[0-9]*+,[0-9]++(?:[eE][-+]?[0-9]++)?", re.ASCII)
 _EMPTY = ("", "nan", "na", "n/a", "null", "none", "-", "#n/a")
 _UNIT = re.compile(r"\s*[\[(]([^\])]{1,40})[\])]\s*\Z")
 
@@ -124,11 +122,9 @@ def _layout(path: Path, lines: list[str]) -> _Layout:
         raise DesignError(
             f"a line of {len(cells)} columns; at most {MAX_COLUMNS} are read", Place(str(path), number + 1)
         )
-    has_heading = not any(_NUMBER.fullmatch(c) or _COMMA_NUMBER.fullmatch(c) for c in cells)
+    has_heading = not any(is_number(c) or is_comma_number(c) for c in cells)
     rows = shown_lines[1:] if has_heading else shown_lines
-    comma = delimiter != "," and any(
-        _COMMA_NUMBER.fullmatch(c) for _, row in rows for c in _cells(row, delimiter)
-    )
+    comma = delimiter != "," and any(is_comma_number(c) for _, row in rows for c in _cells(row, delimiter))
     names = tuple(_UNIT.sub("", c).strip() for c in cells) if has_heading else ()
     units = (
         tuple(found[1].strip() if (found := _UNIT.search(c)) else "" for c in cells) if has_heading else ()
@@ -241,13 +237,13 @@ def _at_once(lines: list[str], layout: _Layout, columns: tuple[int, int]) -> Arr
 def _value(cell: str, layout: _Layout, place: Place) -> float:
     if cell.lower() in _EMPTY:
         return float("nan")
-    if layout.decimal_comma and _COMMA_NUMBER.fullmatch(cell):
+    if layout.decimal_comma and is_comma_number(cell):
         return float(cell.replace(",", "."))
     if layout.decimal_comma and "." in cell and "," in cell:
         raise DesignError(
             f"{shown(cell)} has a point and a comma; write numbers without marks between thousands", place
         )
-    if not _NUMBER.fullmatch(cell):
+    if not is_number(cell):
         raise DesignError(
             f"{shown(cell)} is no number; write one with a decimal point, or nothing for a gap", place
         )

@@ -16,7 +16,7 @@ from lamc.basics.errors import DesignError
 if TYPE_CHECKING:
     from lamc.effects.drives import Drive
     from lamc.effects.engine_loads import EngineLoads
-    from lamc.mechanics.arrangement import Arranging
+    from lamc.mechanics.arranging import Arranging
     from lamc.mechanics.loads import Loads
     from lamc.mechanism.tree import Tree
     from lamc.records.mechanism import Mechanism

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.arranging import arrange
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Body, Mechanism

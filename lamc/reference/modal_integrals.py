@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.arranging import arrange
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from lamc.reference.check_report import Comparison, Largest

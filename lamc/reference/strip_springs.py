@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import legendre
 
-from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.arranging import arrange
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from lamc.reference.check_report import Comparison, Largest

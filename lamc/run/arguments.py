@@ -82,20 +82,3 @@ def checked_rate(baumgarte: float | None, *, has_loops: bool) -> float:
             f"baumgarte is {rate!r}; it must be a rate in 1/s above zero, or None for projection"
         )
     return rate
-
-
-def check_differentiable(
-    integrator: str, baumgarte: float, accuracy: float | None, *, energy_balance: bool
-) -> None:
-    """Raises RequestError for what a run with sensitivities cannot do at the same time."""
-    other = {
-        "an integrator of scipy": integrator.startswith("scipy:"),
-        "baumgarte": baumgarte != 0.0,
-        "accuracy": accuracy is not None,
-        "energy_balance": energy_balance,
-    }
-    for name, is_asked in other.items():
-        if is_asked:
-            raise RequestError(
-                f"a run with sensitivities takes no {name.removeprefix('an ')}; leave one of them out"
-            )

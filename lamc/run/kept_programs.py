@@ -6,7 +6,7 @@ derived again. A note that is damaged or cannot be written costs a derivation, a
 
 import hashlib
 from dataclasses import dataclass
-from weakref import WeakValueDictionary
+from weakref import WeakKeyDictionary, WeakValueDictionary
 
 from lamc.basics._version import __version__
 from lamc.codegen.cache import Cache, stamps
@@ -21,7 +21,9 @@ from lamc.symbolic.program import Program
 from lamc.symbolic.staging import DrawnKey
 
 _opened: "WeakValueDictionary[str, Module]" = WeakValueDictionary()  # by folder, verified
-_stamps: dict[str, tuple[tuple[str, int, int], ...]] = {}  # of their files, then
+_stamps: "WeakKeyDictionary[Module, tuple[tuple[str, int, int], ...]]" = (
+    WeakKeyDictionary()
+)  # of their files, then
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,7 @@ def opened_entry(cache: Cache, entry: str) -> Module | None:
     module = _opened.get(str(folder))
     if module is not None:
         cache.check_owner(cache.root)
-    if module is not None and stamps(folder) == _stamps[str(folder)]:
+    if module is not None and stamps(folder) == _stamps[module]:
         return module
     found = cache.find(entry)
     if found is None:
@@ -126,7 +128,7 @@ def keep_opened(cache: Cache, entry: str, module: Module) -> None:
     """The module of an entry that was verified or made just now is not opened again while somebody has it."""
     folder = cache.root / entry
     _opened[str(folder)] = module
-    _stamps[str(folder)] = stamps(folder)
+    _stamps[module] = stamps(folder)
 
 
 def design_of_structure(

@@ -237,6 +237,8 @@ class Model(Unchanging):
         self.rank = int(handle.rank)
         self.guards = self._names(handle.guard_names, handle.guard_count)
         self.has_impacts = any(handle.guard_modes[i] == -1 for i in range(handle.guard_count))
+        slots = (int(handle.guard_modes[i]) for i in range(handle.guard_count))
+        self._mode_slots = tuple(slot for slot in slots if slot >= 0)
         self.has_clocks = bool(handle.clock_count)
         self.series = self._names(handle.series_names, handle.series_count)
         self.series_orders = tuple(int(handle.series_orders[i]) for i in range(handle.series_count))
@@ -280,6 +282,10 @@ class Model(Unchanging):
         values |= checked_parameters(parameters, units)
         inputs = [*values.values(), *self.geometry]
         return Motion(self, np.array(inputs or [0.0]), baumgarte, series)
+
+    def modes(self, motion: Any) -> tuple[float, ...]:
+        """Modes of the guards that a `lamc_motion` has now, 1 beyond a guard and 0 before, in their order."""
+        return tuple(float(motion.constants[slot]) for slot in self._mode_slots)
 
     def read(self, array: Array) -> Any:
         """The address of a contiguous array, for C to read. The caller keeps the array alive."""

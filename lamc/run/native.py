@@ -139,7 +139,7 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
     if status == lib.LAMC_BAD_ARGUMENT:  # checked_request should have seen it
         raise SimulationError("the integrator refuses these arguments; please report this as a bug of lamc")
     run = engine.run
-    first_method = run.method
+    first_method, modes = run.method, model.modes(motion)
     if status == lib.LAMC_OK:
         status = _advance(model, engine, request)
     last = _last_row(model, run, ode, request, columns) if status < 0 else None
@@ -166,6 +166,7 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
         singular_steps=int(model.lib.lamc_motion_singular_steps(motion)),
         along=None if request.along is None else along,
         lost=engine.lost,
+        modes=(modes, model.modes(motion)),
     )
 
 

@@ -39,6 +39,10 @@ class Status(IntEnum):
     FAILED = -6  # for a reason of its own, told in the message; scipy's integrators only
 
 
+# Why there are no derivatives any more, behind the numbers of `lamc_lost`
+BETWEEN_STEPS, UNFOLLOWED = 5, 6
+
+
 @dataclass(frozen=True, eq=False)
 class Along:
     """Directions along which a run is differentiated, for a model with columns.
@@ -93,9 +97,8 @@ class Trajectory:
     switches: tuple[tuple[float, str], ...] = ()  # s and the integrator taken from there on
     singular_steps: int = 0  # accepted steps that ended with equations of the loops let go
     along: Array | None = None  # (m, nq + nu, k): derivatives of the states, NaN where there are none
-    lost: tuple[float, int, int] | None = (
-        None  # s, since when there are none, why (`lamc_lost`), and at which guard
-    )
+    lost: tuple[float, int, int] | None = None  # s, since when there are none, why, and at which guard
+    modes: tuple[tuple[float, ...], tuple[float, ...]] = ((), ())  # of guards at the start and at the end
 
 
 def checked_request(

@@ -6,6 +6,7 @@ Never: hides a failure; scipy's own words are in `note`.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from scipy.integrate import BDF, DOP853, LSODA, RK23, RK45, Radau
@@ -14,6 +15,7 @@ from lamc.basics.errors import RequestError
 from lamc.run.following import stretches
 from lamc.run.model import Motion
 from lamc.run.request import Array, Request, Status, Trajectory
+from lamc.run.scipy_derivatives import Variation
 
 METHODS = {"RK23": RK23, "RK45": RK45, "DOP853": DOP853, "Radau": Radau, "BDF": BDF, "LSODA": LSODA}
 
@@ -36,16 +38,17 @@ class _Output:
         self.y.append(y.copy())
         self.t.append(t.copy())
 
-    def after(self, solver: RK45) -> None:
-        """Takes the rows that the step just made gives."""
+    def after(self, solver: RK45) -> Array:
+        """Takes the rows that the step just made gives; their times."""
         if self._times is None:
             self._add(np.array([solver.t]), solver.y.reshape(1, -1))
-            return
+            return self.t[-1]
         stop = int(np.searchsorted(self._times, solver.t, side="right"))
-        if stop > self._next:
-            times = self._times[self._next : stop]
+        times = self._times[self._next : stop]
+        if len(times):
             self._add(times, solver.dense_output()(times).T)
             self._next = stop
+        return times
 
 
 def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
@@ -56,6 +59,15 @@ def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
             f"scipy:{method} does not end its steps where a controller samples (Servo.period), and holds nothing in "
             "between; take an integrator of lamc's own"
         )
+    variation = None if request.along is None else Variation(motion, request, method)
+    found = _integrated(motion, request, method, variation)
+    if variation is None:
+        return found
+    return replace(found, along=variation.of_rows(len(found.t)), lost=variation.lost)
+
+
+def _integrated(motion: Motion, request: Request, method: str, variation: Variation | None) -> Trajectory:
+    """The run. variation: is told its steps."""
     output = _Output(request)
     accepted = 0
     last_step = 0.0
@@ -90,8 +102,11 @@ def integrate(motion: Motion, request: Request, method: str) -> Trajectory:
                         status = _failure(motion, solver)
                         break
                     accepted += 1
-                    reached, last_step = (float(solver.t), solver.y.copy()), float(solver.t - solver.t_old)
-                    output.after(solver)
+                    before, last_step = reached, float(solver.t - solver.t_old)
+                    reached = (float(solver.t), solver.y.copy())
+                    times = output.after(solver)
+                    if variation is not None:
+                        variation.after(*before, reached[0], times)
                     if request.progress is not None:
                         request.progress(reached[0], request.t_end)
                 if status != Status.REACHED_END:

@@ -20,7 +20,7 @@ from lamc.basics.errors import LamcError, RequestError
 from lamc.mechanics.tangents import PACE, Columns, parameter_key
 from lamc.records.mechanism import Mechanism
 from lamc.run.model import Model, Motion
-from lamc.run.request import Along, Array
+from lamc.run.request import BETWEEN_STEPS, UNFOLLOWED, Along, Array
 from lamc.symbolic.staging import DrawnKey
 
 if TYPE_CHECKING:
@@ -43,6 +43,8 @@ WHY = {
     2: "a limit is touched and not passed",
     3: "loops lose equations at a singular position",
     4: "derivatives grow beyond all numbers",
+    BETWEEN_STEPS: "a switch falls between two steps of scipy's integrator; lamc's own end steps at switches",
+    UNFOLLOWED: "a step of scipy's integrator could not be followed; take one of lamc's own",
 }
 
 
@@ -154,7 +156,10 @@ class Differentiated:
 
 
 def differentiated(
-    simulator: "Simulator", names: Sequence[str], parameters: Mapping[str, float | str]
+    simulator: "Simulator",
+    names: Sequence[str],
+    parameters: Mapping[str, float | str],
+    baumgarte: float = 0.0,
 ) -> Differentiated:
     """What `Simulator.run(sensitivities=names)` runs. Raises RequestError for names that are none of them."""
     asked = _checked(simulator, names)
@@ -165,7 +170,7 @@ def differentiated(
     starts = tuple(name for name in asked if name not in columns.names)
     model, keys = simulator.with_columns(columns)
     paces = {name: _pace(simulator, model, columns, keys, name) for name in columns.dimensions}
-    motion = _motion(model, columns, keys, parameters, paces)
+    motion = _motion(model, columns, keys, parameters, paces, baumgarte)
     directions = np.zeros((max(len(columns.names), 1), max(len(motion.parameters), 1)))
     place = {name: k for k, name in enumerate(model.parameters)}
     given = {place[name] for name in parameters if name in place}
@@ -335,9 +340,10 @@ def _motion(
     keys: Keys,
     parameters: Mapping[str, float | str],
     paces: Mapping[str, _Pace],
+    baumgarte: float,
 ) -> Motion:
     """The motion with these parameters, which also knows how fast the drawing's numbers move along each dimension."""
-    motion = model.motion(parameters)
+    motion = model.motion(parameters, baumgarte)
     if not paces:
         return motion
     inputs, first = motion.parameters.copy(), len(model.parameters)
@@ -347,7 +353,7 @@ def _motion(
     for key, k in place.items():
         if key[0] == PACE and key[2:] not in given:
             inputs[k] = paces[str(key[1])].inputs[place[key[2:]]]
-    return Motion(model, inputs, 0.0, motion.following.series)
+    return Motion(model, inputs, baumgarte, motion.following.series)
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,8 +26,9 @@ from lamc.records.effect import Effect, notes_of
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.accuracy import checked_accuracy, reach
-from lamc.run.arguments import check_differentiable, check_names, checked_rate
+from lamc.run.arguments import check_names, checked_rate
 from lamc.run.defaults import DURATION
+from lamc.run.differentiating import Made, with_derivatives
 from lamc.run.evaluations import NO_PARAMETERS
 from lamc.run.following import series_of, with_series
 from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
@@ -234,35 +235,36 @@ class Simulator(Running, OperatingPoints, Viewable):
             asked = (t_end, rtol, atol, t_eval, max_steps, max_step, told)
             request = self._request(*asked, energy_balance=energy_balance)
             rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
-            if len(sensitivities):
-                check_differentiable(integrator, rate, accuracy, energy_balance=energy_balance)
-                return self._differentiated(integrator, request, parameters, sensitivities)
+            found = differentiated(self, sensitivities, parameters, rate) if len(sensitivities) else None
             motion = (
                 self.telling.motion(parameters, rate) if energy_balance else self._motion(parameters, rate)
             )
             self._check_run(parameters, motion, request.t_end)
             telling = Telling(self, self._recipe, parameters, rate)
 
+            made: list[Made] = []
+
             def run(name: str, asked: Request) -> tuple[Result, float]:
-                return self._integrated(name, asked, motion, telling)
+                result, effort = self._integrated(name, asked, motion, telling)
+                made.append(Made(result, name, asked))
+                return result, effort
 
+            if found is not None and wanted is None and not energy_balance:
+                along = replace(request, along=found.along)
+                return self._integrated(integrator, along, motion, telling, found)[0]
             if wanted is None:
-                return run(integrator, request)[0]
-            return reach(wanted, integrator, motion, request, run, self.scene)
-
-    def _differentiated(
-        self,
-        integrator: str,
-        request: Request,
-        parameters: Mapping[str, float | str],
-        names: Sequence[str],
-    ) -> Result:
-        """A run with its derivatives."""
-        found = differentiated(self, names, parameters)
-        motion = self._motion(parameters)
-        self._check_run(parameters, motion, request.t_end)
-        telling = Telling(self, self._recipe, parameters, 0.0)
-        return self._integrated(integrator, replace(request, along=found.along), motion, telling, found)[0]
+                result = run(integrator, request)[0]
+            else:
+                result = reach(wanted, integrator, motion, request, run, self.scene)
+            if found is None:
+                return result
+            plain = self._motion(parameters, rate)
+            return with_derivatives(
+                result,
+                made,
+                found,
+                lambda name, asked: self._integrated(name, asked, plain, telling, found)[0],
+            )
 
     def with_columns(self, columns: "Columns") -> "tuple[Model, tuple[DrawnKey, ...]]":
         """The model that also has derivatives by these, and the keys of its numbers of the drawing."""

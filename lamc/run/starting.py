@@ -16,7 +16,8 @@ from lamc.loops.geometry import geometry_of
 from lamc.loops.rank import LoopCount
 from lamc.loops.starts import Starter
 from lamc.loops.yielding import rigid_scene, yielding_start
-from lamc.mechanics.arrangement import Arrangement, arrange
+from lamc.mechanics.arrangement import Arrangement
+from lamc.mechanics.arranging import arrange
 from lamc.mechanism.plan import plan
 from lamc.records.effect import Effect, overrides
 from lamc.records.mechanism import Mechanism

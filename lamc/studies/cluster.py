@@ -66,6 +66,7 @@ def worked(subject: bytes, chunk: list[Point]) -> tuple[list[Row], float]:
     began = time.monotonic()
     known: tuple[bytes, Bench] | None = getattr(_benches, "known", None)
     if known is None or known[0] != subject:
+        # Made by `Study.pickled` and brought by Dask, which runs what a scheduler sends: no user's file is read here.
         known = (subject, Bench(pickle.loads(subject)))
         _benches.known = known
     with one_thread():

@@ -148,4 +148,6 @@ def _send(process: subprocess.Popen[bytes], what: object) -> None:
 
 def _receive(process: subprocess.Popen[bytes]) -> Any:
     assert process.stdout is not None
-    return pickle.load(process.stdout)
+    return pickle.load(
+        process.stdout
+    )  # from a process that this one started, on its own pipe: never a user's file

@@ -1,8 +1,8 @@
 """A process that works on points for another: `python -c "from lamc.studies.worker import serve; serve()"`.
 
 On stdin come pickles: the search path, the subject (its `bench` is what works), then lists of (number, point). On
-stdout go pickles: READY, then a `Row` for each point in its order, or the exception that ends the study. Whatever else
-prints on stdout goes to stderr.
+stdout go pickles: READY, then a `Row` for each point in its order, or the exception that ends the study. Both are pipes
+of the process that started this one: no pickle ever comes from a file. Whatever else prints on stdout goes to stderr.
 It ends when stdin does, and leaves Ctrl-C to the process that started it.
 """
 

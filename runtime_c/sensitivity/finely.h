@@ -97,7 +97,7 @@ static inline void lamc_follow_finely(lamc_sensitivity *s, lamc_real *room, lamc
     t = is_last ? run->t : t + h;
     memcpy(y, y_new, (size_t)n * sizeof *y);
     memcpy(sens, sens_new, (size_t)size * sizeof *sens);
-    (void)lamc_motion_settle(&s->beside, t, y, &moved);
+    if (s->beside.baumgarte == 0) (void)lamc_motion_settle(&s->beside, t, y, &moved);
     lamc_vary_settle(s, t, y, sens, rows);
     h *= factor;
     if (is_last) {

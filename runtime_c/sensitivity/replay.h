@@ -125,7 +125,8 @@ static inline void lamc_replay(lamc_sensitivity *s, lamc_real *argument, lamc_re
   for (int stage = first; stage < a.last; stage++) lamc_replay_stage(s, &a, stage, argument, y);
   lamc_replay_argument(s, &a, a.last, run->h_last, s->end);
   const lamc_place end = lamc_stage_place(s, &a, a.last, y);
-  if (s->motion.model->cut_count > 0) lamc_vary_settle_at(s, &end, s->end, argument);
+  if (s->motion.model->cut_count > 0 && s->beside.baumgarte == 0)
+    lamc_vary_settle_at(s, &end, s->end, argument);
   lamc_vary(s, &end, s->end, lamc_slope_of(s, a.last));
   s->slope_count = a.last + 1;
   s->has_slope = 1;

@@ -120,8 +120,7 @@ lamc_status lamc_sensitivity_start(lamc_sensitivity *s, const lamc_motion *motio
                                    const lamc_options *options, lamc_real t0, const lamc_real *y0,
                                    const lamc_real *s0, lamc_real t_end, const lamc_real *t_eval,
                                    long long t_eval_count, lamc_real *run_work, lamc_real *work) {
-  if (s == NULL || motion == NULL || tangents == NULL || s0 == NULL || work == NULL || motion->baumgarte != 0)
-    return LAMC_BAD_ARGUMENT;
+  if (s == NULL || motion == NULL || tangents == NULL || s0 == NULL || work == NULL) return LAMC_BAD_ARGUMENT;
   const long long size = lamc_sensitivity_work_size(motion->model, tangents, column_count);
   if (size == 0 || (tangents->column_count > 0 && (inputs == NULL || directions == NULL)))
     return LAMC_BAD_ARGUMENT;
@@ -153,7 +152,9 @@ lamc_status lamc_sensitivity_start(lamc_sensitivity *s, const lamc_motion *motio
            (size_t)column_count * sizeof *s0);
   if (status != LAMC_OK) return status;
   lamc_take_constants(s);
+  s->beside.baumgarte = 0;                          /* a start is closed whatever comes of it */
   lamc_vary_settle(s, t0, y0, s->here, r.argument); /* differences of starts know it to some 1e-9 */
+  s->beside.baumgarte = motion->baumgarte;
   lamc_sample(s, t0, y0, NULL);
   return status;
 }

@@ -21,7 +21,7 @@ typedef struct variation {
   int nq, nu, m, n, k, width;
   int held_count, held_width; /* what clocks hold, and the width of its derivatives */
   const lamc_real *held;
-  lamc_real *udot, *lambda, *derivative, *x, *goal, *goals, *packs;
+  lamc_real *udot, *lambda, *derivative, *x, *goal, *goals, *packs, *closure;
 } variation;
 
 /* 1 if a model gives accelerations as they are: its derivatives are solved with factors of M of their own */
@@ -43,7 +43,7 @@ static inline long long lamc_variation_size(const lamc_model *model, int k, int 
   const long long guards = (model->guard_count + held) * (n + 1 + k + held);
   long long most = residuals > closure ? residuals : closure;
   if (guards > most) most = guards;
-  return nu + m + most + nu + m + m * width + lamc_loop_columns_size(model);
+  return nu + m + most + nu + m + m * width + lamc_loop_columns_size(model) + closure;
 }
 
 static inline variation lamc_variation_of(const lamc_sensitivity *s) {
@@ -64,7 +64,8 @@ static inline variation lamc_variation_of(const lamc_sensitivity *s) {
   v.goal = v.x + v.nu;
   v.goals = v.goal + v.m;
   v.packs = v.goals + (ptrdiff_t)v.m * v.width;
-  v.derivative = v.packs + lamc_loop_columns_size(model);
+  v.closure = v.packs + lamc_loop_columns_size(model);
+  v.derivative = v.closure + (ptrdiff_t)v.m * (v.nq + v.k + v.n + v.k);
   return v;
 }
 
@@ -154,16 +155,33 @@ static inline void lamc_vary_along(const lamc_sensitivity *s, const variation *v
   s->tangents->along(v->derivative, v->width, sens, rows, v->goals);
 }
 
+/* What Baumgarte's stabilisation adds to loops' goals: the derivatives of 2 b J u + b^2 phi along S */
+static inline void lamc_vary_stabilise(const lamc_sensitivity *s, const variation *v, const lamc_real *y,
+                                       const lamc_real *sens) {
+  const lamc_real b = s->beside.baumgarte;
+  const int part = v->nq + v->k, across = v->n + v->k;
+  s->tangents->closure(s->beside.constants, y, y + v->nq, v->closure);
+  for (int i = 0; i < v->m; i++) {
+    const lamc_real *gap = v->closure + (ptrdiff_t)i * (part + across), *rate = gap + part;
+    lamc_real *goal = v->goals + (ptrdiff_t)i * v->width;
+    for (int j = 0; j < v->n; j++) {
+      const lamc_real value = 2 * b * rate[j] + (j < v->nq ? b * b * gap[j] : 0);
+      if (value != 0) lamc_row_less(v->width, -value, sens + (ptrdiff_t)j * v->width, goal);
+    }
+    for (int j = 0; j < v->k; j++) goal[j] += 2 * b * rate[v->n + j] + b * b * gap[v->nq + j];
+  }
+}
+
 /* dS/dt (n, width) at a place with derivatives sens (n, width) */
 static inline void lamc_vary(lamc_sensitivity *s, const lamc_place *at, const lamc_real *sens,
                              lamc_real *slope) {
   const lamc_model *model = s->motion.model;
   const variation v = lamc_variation_of(s);
   lamc_real *late = slope + (ptrdiff_t)v.nq * v.width;
-  lamc_series_put(&s->beside, at->t);
   s->tangents->residuals(s->beside.constants, at->t, at->y, at->y + v.nq, at->udot, at->lambda, v.derivative);
   s->evaluations++;
   lamc_vary_along(s, &v, sens, late);
+  if (s->beside.baumgarte != 0) lamc_vary_stabilise(s, &v, at->y, sens);
   if (model->cut_count > 0) {
     const lamc_motion there = lamc_motion_at(s, at->work);
     lamc_vary_solve_loops(&there, &v, at->count, s->column_count, late);
@@ -224,7 +242,7 @@ static inline void lamc_vary_settle_at(lamc_sensitivity *s, const lamc_place *at
 
 static inline void lamc_vary_settle(lamc_sensitivity *s, lamc_real t, const lamc_real *y, lamc_real *sens,
                                     lamc_real *rows) {
-  if (s->motion.model->cut_count == 0) return;
+  if (s->motion.model->cut_count == 0 || s->beside.baumgarte != 0) return;
   const int count = lamc_loops_weigh(&s->beside, t, y, y + s->motion.model->coordinate_count);
   const lamc_place at = {t, y, NULL, NULL, count, s->beside.work};
   lamc_vary_settle_at(s, &at, sens, rows);

@@ -11,7 +11,7 @@ from lamc.basics.errors import DesignError
 from lamc.effects import Gravity, HingeStiffness
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.free_base import FreeBase
-from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanics.loads import Loads
 from lamc.pipeline import equations_of
 from lamc.records.mechanism import Body, Mechanism

@@ -15,7 +15,8 @@ from lamc.basics.errors import DesignError
 from lamc.effects import Gravity, HingeStiffness
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.free_base import FreeBase
-from lamc.mechanics.arrangement import CROSS_FREEDOMS, Arranging, CompliantHinge
+from lamc.mechanics.arrangement import CROSS_FREEDOMS, CompliantHinge
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanism.plan import plan
 from lamc.pipeline import equations_of
 from lamc.records.mechanism import Body, Joint, Mechanism

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import lamc
 from lamc.basics.errors import DesignError, RequestError
 from lamc.effects.registry import EFFECTS
-from lamc.mechanics.arrangement import Arranging
+from lamc.mechanics.arranging import Arranging
 from lamc.mechanics.loads import Loads
 from lamc.mechanics.lower import lower
 from lamc.records.effect import Effect, conserves

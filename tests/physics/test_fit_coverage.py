@@ -38,13 +38,17 @@ def fits(repeats: int) -> tuple[np.ndarray, list[int]]:
     return np.array(held), counts
 
 
-def test_intervals_of_a_few_fits() -> None:
-    held, counts = fits(4)
-    assert held.mean() > 0.75  # of 40, each beyond in one case of 20: more than ten in one of 100 000
+@pytest.mark.parametrize(("repeats", "least"), [(4, 0.75), (20, 0.85)])
+@pytest.mark.quick("4-*")
+def test_intervals_of_a_few_fits(repeats: int, least: float) -> None:
+    held, counts = fits(repeats)
+    # Each interval is beyond in one case of 20: of 40 more than ten in one of 100 000; of 200 ten, with a deviation of
+    # 3.1 were those of one fit independent, and thirty are six deviations off.
+    assert held.mean() >= least
     assert max(counts) <= 30
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_95_percent_intervals_hold_95_percent() -> None:
     held, counts = fits(REPEATS)
     # 2000 intervals, those of one fit correlated: the share is known to 1 %.

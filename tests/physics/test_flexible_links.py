@@ -25,7 +25,7 @@ from lamc import (
 from lamc.basics.errors import DesignError
 from lamc.basics.times import Times
 from lamc.effects import Gravity, HingeStiffness
-from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.arranging import arrange
 from lamc.mechanism.plan import plan
 from lamc.readers.load_scene import scene_of_text
 from tests.support.ctools import needs_cc

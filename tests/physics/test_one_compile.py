@@ -18,7 +18,7 @@ from lamc import examples
 from lamc.basics.times import Times
 from lamc.codegen.cache import Cache
 from lamc.loops.rank import count_loops
-from lamc.mechanics.arrangement import arrange
+from lamc.mechanics.arranging import arrange
 from lamc.mechanics.assembly import symbols_of
 from lamc.mechanics.closure import close_cycles
 from lamc.mechanics.closure_plan import pattern_of

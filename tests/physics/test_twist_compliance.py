@@ -15,7 +15,8 @@ import lamc
 from lamc import Body, Joint, Mechanism, Scene, TwistCompliance
 from lamc.basics.errors import DesignError
 from lamc.effects import Gravity, HingeDamping, HingeStiffness
-from lamc.mechanics.arrangement import Arrangement, arrange
+from lamc.mechanics.arrangement import Arrangement
+from lamc.mechanics.arranging import arrange
 from lamc.mechanism.plan import plan
 from lamc.readers.load_scene import scene_of_text
 from tests.support.ctools import needs_cc

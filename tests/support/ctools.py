@@ -20,6 +20,7 @@ from lamc.mechanism.plan import plan
 from lamc.symbolic.program import Program
 from lamc.symbolic.scalars import Scalar
 from lamc.symbolic.staging import Store
+from tests.support.compiling import compiled
 from tests.support.mechanisms import Array, chain
 
 STRICT = ("-std=c11", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror")
@@ -40,31 +41,17 @@ needs_cc = pytest.mark.skipif(shutil.which(CC.split()[0]) is None, reason="needs
 
 def cc(folder: Path, *arguments: str, compiler: str = CC) -> None:
     """Runs the compiler in `folder`; the test fails with what it says."""
-    done = subprocess.run(
-        [*compiler.split(), *arguments], cwd=folder, capture_output=True, text=True, timeout=300, check=False
-    )
-    assert done.returncode == 0, done.stderr[:3000]
-
-
-_runtimes: dict[tuple[str, ...], dict[str, bytes]] = {}
+    compiled([*compiler.split(), *arguments], folder)
 
 
 def objects_of(tree: SourceTree, folder: Path, *flags: str, compiler: str = CC) -> list[str]:
-    """Names of the objects of `tree`, compiled in `folder`, where its files are.
-
-    The runtime, the same for every model, is compiled once by each process with the same flags, and copied.
-    """
+    """Names of the objects of `tree`, compiled in `folder`, where its files are; the runtime, the same for every model,
+    once with the same flags."""
     shared = [unit for unit in tree.compiled if unit in tree.shared]
     own = [unit for unit in tree.compiled if unit not in tree.shared]
-    key = (compiler, *flags, *(tree.files[name] for name in tree.shared))
-    if key not in _runtimes:
-        cc(folder, *flags, "-c", *shared, compiler=compiler)
-        made = [Path(unit).stem + ".o" for unit in shared]
-        _runtimes[key] = {name: (folder / name).read_bytes() for name in made}
-    for name, content in _runtimes[key].items():
-        (folder / name).write_bytes(content)
+    compiled([*compiler.split(), *flags, "-c", *shared], folder, tree.shared)
     cc(folder, *flags, "-c", *own, compiler=compiler)
-    return [*_runtimes[key], *(Path(unit).stem + ".o" for unit in own)]
+    return [Path(unit).stem + ".o" for unit in (*shared, *own)]
 
 
 def sanitizer_works(folder: Path, *flags: str) -> bool:

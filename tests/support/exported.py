@@ -1,6 +1,5 @@
 """Exported C, compiled alone in a folder and called through cffi."""
 
-import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from lamc.codegen.emit import declarations_of
 from lamc.export.c import c_source
 from lamc.export.driven import simulator_of
 from lamc.export.options import ExportOptions
+from tests.support.compiling import compiled
 from tests.support.ctools import CC
 from tests.support.mechanisms import Array
 
@@ -48,17 +48,12 @@ class Exported:
             (folder / name).write_bytes(content)
         self.folder = folder
         self.prefix = next(name for name in files if name.endswith(".h")).removesuffix(".h")
-        library = folder / "model.so"
-        source = f"{self.prefix}.c"
-        done = subprocess.run(
-            [*CC.split(), *flags, "-fPIC", "-shared", source, "-lm", "-o", str(library)],
-            cwd=folder, capture_output=True, text=True, timeout=300, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, done.stderr[:3000]
+        flags = (*flags, "-fPIC", "-shared", f"{self.prefix}.c", "-lm", "-o", "model.so")
+        compiled([*CC.split(), *flags], folder)
         self.ffi: Any = cffi.FFI()
         declarations = declarations_of(files[f"{self.prefix}.h"].decode())
         self.ffi.cdef(declarations.replace(f"{self.prefix.upper()}_API ", ""))
-        self.lib: Any = self.ffi.dlopen(str(library))
+        self.lib: Any = self.ffi.dlopen(str(folder / "model.so"))
 
     def new(self, what: str) -> Any:
         """A struct PREFIX_what, filled with what no caller should rely on."""

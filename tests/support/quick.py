@@ -97,6 +97,8 @@ def quick_compilation(shared: Path | None = None) -> Iterator[None]:
     def objects(
         compiler: toolchain.Compiler, flags: Sequence[str], units: Sequence[str], folder: Path
     ) -> list[Path]:
+        if units[0].startswith(f"{build.SOURCES}/"):  # a model's own, beside it: lanes, derivatives
+            return toolchain.make_objects(compiler, quickly(flags), units, folder)
         if folder.parent == shared:  # an entry is made in its cache's folder
             return toolchain.make_objects(compiler, flags, units, folder)
         texts = [path.read_text(encoding="utf-8") for path in sorted(folder.iterdir())]

@@ -66,7 +66,9 @@ def caution(sim: Simulator, result: Result, wanted: float) -> float:
 
 @pytest.mark.parametrize("name", examples.names())
 @pytest.mark.quick("five_bar", "flaps", "four_bar", "limit_stop", "pendulum", "pendulum.cad", "vertex")
-@pytest.mark.ci("[!cf]*", "five_bar", "flaps", "four_bar")  # seconds for each reference of the others
+@pytest.mark.ci(
+    "[!cfrw]*", "five_bar", "flaps", "four_bar", "waterbomb"
+)  # up to a minute for others' references
 def test_errors_of_the_gallery_are_what_is_estimated(name: str) -> None:
     sim = simulator(name)
     cautions = [caution(sim, sim.run(2.0, accuracy=wanted), wanted) for wanted in (1e-2, 1e-3, 1e-6)]

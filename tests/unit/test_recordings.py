@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import lamc
@@ -98,6 +98,7 @@ TABLES = st.lists(st.tuples(st.sampled_from(CELLS), st.sampled_from("\t,;\n\n"))
 
 @settings(max_examples=300, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(st.one_of(st.text(max_size=200), TABLES.map(lambda cells: "".join(map("".join, cells)))))
+@example("#multi:\rt\t")
 def test_any_text_is_a_table_or_refused(tmp_path: Path, text: str) -> None:
     path = tmp_path / "run.csv"
     path.write_bytes(text.encode("utf-8", "surrogatepass"))

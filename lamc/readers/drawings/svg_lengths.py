@@ -27,8 +27,8 @@ _PX = {
     "pc": 16.0,
 }
 NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
-_ATOM = f"(?>{NUMBER})"  # taken whole or not at all: a long row of digits has one reading
-_LIST = re.compile(rf"[\s,]*(?:{_ATOM}[\s,]*)*+")
+_NUMBERS = re.compile(NUMBER)
+_APART = re.compile(r"[\s,]*")
 _LENGTH = re.compile(rf"\s*({NUMBER})\s*([A-Za-z]*|%)\s*\Z")
 _OLD_INKSCAPE = re.compile(r"\s*0\.([0-9]+)")
 
@@ -67,9 +67,9 @@ def length(element: Element, name: str, viewport: Viewport, axis: str, default: 
 
 def numbers(text: str) -> list[float] | None:
     """The numbers of a list with blanks or commas; None for anything else in it, or one that is not finite."""
-    if not _LIST.fullmatch(text):
+    if not _APART.fullmatch(_NUMBERS.sub("", text)):
         return None
-    found = [float(each) for each in re.findall(NUMBER, text)]
+    found = [float(each) for each in _NUMBERS.findall(text)]
     return found if all(abs(value) < LARGEST for value in found) else None
 
 

@@ -9,7 +9,7 @@ differences of order 4 of what splitting and closing give, some 1e-10 of them; w
 as a vanishing edge makes them, the name is refused.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -160,9 +160,11 @@ def differentiated(
     names: Sequence[str],
     parameters: Mapping[str, float | str],
     baumgarte: float = 0.0,
-) -> Differentiated:
-    """What `Simulator.run(sensitivities=names)` runs. Raises RequestError for names that are none of them."""
+) -> Differentiated | None:
+    """What `Simulator.run(sensitivities=names)` runs; None without names. Raises RequestError for names of nothing."""
     asked = _checked(simulator, names)
+    if not asked:
+        return None
     columns = Columns(
         tuple(n for n in asked if n in simulator.parameters),
         tuple(n for n in asked if _is_dimension(simulator, n)),
@@ -191,19 +193,20 @@ def differentiated(
     return Differentiated(motion, along, asked, tuple(order), shifted, sizes)
 
 
-def _checked(simulator: "Simulator", names: Sequence[str]) -> tuple[str, ...]:
-    if isinstance(names, str) or not all(isinstance(name, str) for name in names) or not len(names):
+def _checked(simulator: "Simulator", names: object) -> tuple[str, ...]:
+    asked = tuple(names) if isinstance(names, Iterable) and not isinstance(names, str) else None
+    if asked is None or not all(isinstance(name, str) for name in asked):
         raise RequestError(
             f"sensitivities is {names!r}; it must be a list of names, such as ['h1.stiffness']"
         )
     known = [*simulator.parameters, *_dimensions(simulator)]
     known += [f"{prefix}{joint}" for joint in simulator.joints for prefix in (ANGLES, RATES)]
-    for name in names:
+    for name in asked:
         if name not in known:
             raise RequestError(f"no run is differentiated by {name!r}; {did_you_mean(name, known)}")
-    if len(set(names)) < len(names):
-        raise RequestError(f"sensitivities is {list(names)!r}; every name may stand there once")
-    return tuple(names)
+    if len(set(asked)) < len(asked):
+        raise RequestError(f"sensitivities is {list(asked)!r}; every name may stand there once")
+    return asked
 
 
 def _source(simulator: "Simulator") -> "Design | Mechanism":

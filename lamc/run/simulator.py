@@ -235,7 +235,7 @@ class Simulator(Running, OperatingPoints, Viewable):
             asked = (t_end, rtol, atol, t_eval, max_steps, max_step, told)
             request = self._request(*asked, energy_balance=energy_balance)
             rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
-            found = differentiated(self, sensitivities, parameters, rate) if len(sensitivities) else None
+            found = differentiated(self, sensitivities, parameters, rate)
             motion = (
                 self.telling.motion(parameters, rate) if energy_balance else self._motion(parameters, rate)
             )

@@ -251,6 +251,9 @@ def test_what_cannot_be_differentiated_is_refused() -> None:
         ("h.stiffness", "must be a list of names"),
         (["h.stiffness", "h.stiffness"], "may stand there once"),
         ([3], "must be a list of names"),
+        ("", "must be a list of names"),
+        (None, "sensitivities is None; it must be a list of names"),
+        (7, "must be a list of names"),
     ):
         with pytest.raises(lamc.RequestError, match=words):
             sim.run(t_end=0.1, sensitivities=names)

@@ -199,10 +199,10 @@ def _checked(simulator: "Simulator", names: object) -> tuple[str, ...]:
         raise RequestError(
             f"sensitivities is {names!r}; it must be a list of names, such as ['h1.stiffness']"
         )
-    known = [*simulator.parameters, *_dimensions(simulator)]
-    known += [f"{prefix}{joint}" for joint in simulator.joints for prefix in (ANGLES, RATES)]
+    starts = [f"{prefix}{joint}" for joint in simulator.joints for prefix in (ANGLES, RATES)]
     for name in asked:
-        if name not in known:
+        if name not in simulator.parameters and name not in starts and not _is_dimension(simulator, name):
+            known = [*simulator.parameters, *_dimensions(simulator), *starts]
             raise RequestError(f"no run is differentiated by {name!r}; {did_you_mean(name, known)}")
     if len(set(asked)) < len(asked):
         raise RequestError(f"sensitivities is {list(asked)!r}; every name may stand there once")

@@ -82,10 +82,11 @@ class lazy(Generic[_T]):  # noqa: N801  (lower case, as `property` is)
 def kept_with(owner: Any, name: str, function: Callable[[Any], _T]) -> _T:
     """The function's value of an object, computed once and kept in its `__dict__` by that name, as `lazy` does."""
     values = owner.__dict__
-    with _in_turn((id(owner), name)):
-        if name not in values:
-            values[name] = function(owner)
-        made: _T = values[name]
+    if name not in values:  # to take one's turn takes longer than most that ask for a value that is there
+        with _in_turn((id(owner), name)):
+            if name not in values:
+                values[name] = function(owner)
+    made: _T = values[name]
     return made
 
 

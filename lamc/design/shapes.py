@@ -42,7 +42,8 @@ def rectangle(x0: float, y0: float, x1: float, y1: float) -> Polygon:
     if x0 == x1 or y0 == y1:
         raise DesignError("the rectangle encloses no area; its corners must differ in x and in y")
     left, right, low, high = min(x0, x1), max(x0, x1), min(y0, y1), max(y0, y1)
-    return _checked(Polygon([(left, low), (right, low), (right, high), (left, high)]), "rectangle")
+    corners = [(left, low), (right, low), (right, high), (left, high), (left, low)]
+    return _checked(shapely.polygons(corners), "rectangle")
 
 
 def circle(x: float, y: float, radius: float, segments: int = CIRCLE_SEGMENTS) -> Polygon:
@@ -74,6 +75,8 @@ def line(start: tuple[float, float], end: tuple[float, float]) -> Line:
 
 def areas(geometry: BaseGeometry) -> MultiPolygon:
     """The two-dimensional parts of any geometry."""
+    if isinstance(geometry, Polygon) and not geometry.is_empty:
+        return shapely.multipolygons([geometry])
     parts = shapely.get_parts(shapely.get_parts(geometry))
     flat = (shapely.get_type_id(parts) == _POLYGON) & ~shapely.is_empty(parts)
     found: MultiPolygon = shapely.multipolygons(parts[flat])

@@ -169,19 +169,21 @@ def _bias(screws: Array, rates: Array) -> Array:
 def _around(ring: Ring, angles: Array) -> tuple[Array, Array]:
     """Of each cycle of a ring, at rows of angles (..., n): screws (..., c, k, 6) of its hinges where they are, by rates
     of their angles; and the displacement (..., c, 4, 4) that is left behind."""
-    turned = ring.signs * angles[..., ring.joints]
+    turned = ring.signs * angles.take(ring.joints, axis=-1)
+    shape = turned.shape
     half = np.sin(0.5 * turned)
-    parts = np.ones((*turned.shape, 1, 3))
+    parts = np.empty((*shape, 1, 3))
+    parts[..., 0] = 1.0
     np.sin(turned, out=parts[..., 0, 1])
     np.multiply(2.0 * half, half, out=parts[..., 0, 2])
-    turns = (parts @ ring.turns).reshape(*turned.shape, 4, 4)
-    passed = np.empty(turns.shape)
+    turns = (parts @ ring.turns).reshape(*shape, 4, 4)
+    passed = np.empty((*shape, 4, 4))
     passed[..., 0, :, :], last = _SAME, turns[..., 0, :, :]
-    for i in range(1, turned.shape[-1]):
+    for i in range(1, shape[-1]):
         passed[..., i, :, :] = last
         last = last @ turns[..., i, :, :]
     lines = passed @ ring.lines @ passed.swapaxes(-1, -2)
-    return lines.reshape(*turned.shape, 16)[..., _LINE], last
+    return lines.reshape(*shape, 16).take(_LINE, axis=-1), last
 
 
 def cross_matrices(vectors: Array) -> Array:

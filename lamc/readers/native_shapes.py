@@ -74,7 +74,11 @@ def sheet_of_regions(entries: Entries, layer: str, account: Account) -> MultiPol
     sheet = _EMPTY
     for cut, run in groupby(entries, key=lambda entry: entry[1]):
         joined = shapely.union_all([region for region, _ in run])  # in one go: one by one costs the square
-        sheet = shapes.areas(shapely.difference(sheet, joined) if cut else shapely.union_all([sheet, joined]))
+        if cut:
+            joined = shapely.difference(sheet, joined)
+        elif not sheet.is_empty:
+            joined = shapely.union_all([sheet, joined])
+        sheet = shapes.areas(joined)
     return sheet
 
 

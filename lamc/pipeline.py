@@ -196,7 +196,7 @@ def _compiled(
     def as_drawn(extras: Extras) -> tuple[Module, DesignNumbers, tuple[DrawnKey, ...]]:
         maker = find_machine_compiler(options) if extras.lanes or extras.columns else compiler
         alias = None  # of this design alone
-        if common is not None and extras.columns is None:
+        if common is not None:
             inputs = (mechanism, effects, loops, maker, options, scene.inputs)
             alias = input_digest(*inputs, extras=str(extras), common=common)
         with times.stage("load from cache"):
@@ -204,7 +204,7 @@ def _compiled(
             found = opened_entry(cache, known.entry) if known else None
         if known is not None and found is not None:
             times.from_cache = True
-            return found, known.numbers, ()
+            return found, known.numbers, known.keys
         survey = surveyed()
         if survey is not None:
             of = structure_alias(survey.structure, maker, options, extras)
@@ -214,7 +214,7 @@ def _compiled(
                 times.from_cache = True
                 if alias:
                     keep_design(cache, alias, drawn[1])
-                return drawn[0], drawn[1].numbers, drawn[2]
+                return drawn[0], drawn[1].numbers, drawn[1].keys
         program, tree = sources(extras)
         from lamc.codegen.build import build
 
@@ -229,11 +229,12 @@ def _compiled(
         with times.stage("compile"):
             entry, made, times.from_cache = build(tree, program.structure, maker, options, cache)
         keep_opened(cache, entry, made)
+        known = KeptDesign(entry, numbers_of(program), tuple(number.key for number in program.geometry))
         if alias:
-            keep_design(cache, alias, KeptDesign(entry, numbers_of(program)))
+            keep_design(cache, alias, known)
         if survey is not None:
             keep_structure(cache, of, entry, program)
-        return made, numbers_of(program), tuple(number.key for number in program.geometry)
+        return made, known.numbers, known.keys
 
     simulator = Simulator(
         mechanism,

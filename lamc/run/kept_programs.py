@@ -6,6 +6,7 @@ derived again. A note that is damaged or cannot be written costs a derivation, a
 
 import hashlib
 from dataclasses import dataclass
+from typing import Any
 from weakref import WeakKeyDictionary, WeakValueDictionary
 
 from lamc.basics._version import __version__
@@ -28,10 +29,11 @@ _stamps: "WeakKeyDictionary[Module, tuple[tuple[str, int, int], ...]]" = (
 
 @dataclass(frozen=True)
 class KeptDesign:
-    """entry: the key of its module in the cache. numbers: of the design."""
+    """entry: the key of its module in the cache. numbers: of the design. keys: what `setup` takes of the drawing."""
 
     entry: str
     numbers: DesignNumbers
+    keys: tuple[DrawnKey, ...]
 
 
 @dataclass(frozen=True)
@@ -82,21 +84,21 @@ def kept_design(cache: Cache, alias: str) -> KeptDesign | None:
     found = cache.kept(alias)
     try:
         numbers = (tuple(map(float.fromhex, found[name])) for name in ("inputs", "drawn"))
-        return KeptDesign(_entry(found), DesignNumbers(*numbers))
+        return KeptDesign(_entry(found), DesignNumbers(*numbers), _keys(found))
     except (ValueError, TypeError, KeyError):
         return None
 
 
 def keep_design(cache: Cache, alias: str, design: KeptDesign) -> None:
     inputs, drawn = (list(map(float.hex, part)) for part in (design.numbers.inputs, design.numbers.drawn))
-    cache.keep(alias, {"entry": design.entry, "inputs": inputs, "drawn": drawn})
+    keys = [list(key) for key in design.keys]
+    cache.keep(alias, {"entry": design.entry, "inputs": inputs, "drawn": drawn, "keys": keys})
 
 
 def kept_structure(cache: Cache, alias: str) -> KeptStructure | None:
     found = cache.kept(alias)
     try:
-        keys = tuple(tuple(key) for key in found["keys"])
-        return KeptStructure(_entry(found), tuple(map(str, found["parameters"])), keys)
+        return KeptStructure(_entry(found), tuple(map(str, found["parameters"])), _keys(found))
     except (ValueError, TypeError, KeyError):
         return None
 
@@ -131,11 +133,8 @@ def keep_opened(cache: Cache, entry: str, module: Module) -> None:
     _stamps[module] = stamps(folder)
 
 
-def design_of_structure(
-    cache: Cache, alias: str, survey: Survey
-) -> tuple[Module, KeptDesign, tuple[DrawnKey, ...]] | None:
-    """The module of a structure, what is to be known of the design that was surveyed, and the keys of its numbers; None
-    where there is none."""
+def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Module, KeptDesign] | None:
+    """The module of a structure, and what is to be known of the design that was surveyed; None where there is none."""
     known = kept_structure(cache, alias)
     if known is None or known.parameters != tuple(p.name for p in survey.parameters):
         return None
@@ -145,7 +144,11 @@ def design_of_structure(
     if module is None:
         return None
     numbers = DesignNumbers(survey.inputs(known.keys), survey.drawn)
-    return module, KeptDesign(known.entry, numbers), known.keys
+    return module, KeptDesign(known.entry, numbers, known.keys)
+
+
+def _keys(found: dict[str, Any]) -> tuple[DrawnKey, ...]:
+    return tuple(tuple(key) for key in found["keys"])
 
 
 def _entry(found: dict[str, object]) -> str:

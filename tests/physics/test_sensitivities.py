@@ -10,6 +10,8 @@ import numpy.typing as npt
 import pytest
 
 import lamc
+from lamc.codegen.cache import Cache
+from lamc.mechanics.tangents import Columns
 from lamc.records.mechanism import Body, Joint, Mechanism
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
@@ -350,3 +352,18 @@ def test_derivatives_beyond_the_horizon_of_chaos_are_told() -> None:
     for t_end, is_told in ((1.0, False), (40.0, True)):
         notes = sim.run(t_end=t_end, sensitivities=["link1.mass"]).notes
         assert any("chaotic" in note for note in notes) == is_told, notes
+
+
+def test_a_module_with_derivatives_is_known_by_its_design(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Opened again without a survey of the design, and with the same numbers of the drawing."""
+    cache = Cache(tmp_path)
+    columns = Columns(("gravity.z",), ())
+    first, keys = lamc.compile(example("pendulum"), cache=cache).with_columns(columns)
+    again = lamc.compile(example("pendulum"), cache=cache)
+    monkeypatch.setattr("lamc.pipeline.survey_design", None)  # whatever asks for it fails
+    second, same = again.with_columns(columns)
+    assert keys
+    assert same == keys
+    assert np.array_equal(second.motion({}).parameters, first.motion({}).parameters)

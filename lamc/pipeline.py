@@ -26,6 +26,7 @@ from lamc.loops.at_start import loops_of
 from lamc.loops.kept import kept_loops
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.loops.surveys import LARGE
+from lamc.loops.work import check_work
 from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import Arrangement
 from lamc.mechanics.arranging import arrange
@@ -151,6 +152,7 @@ def _compiled(
     loops: LoopCount | None = None,
 ) -> Simulator:
     """loops: what the mechanism's loops come to; None: counted, if it has any."""
+    check_work(mechanism, large=options.large)
     effects = effects_of(mechanism, scene)
 
     @remembered

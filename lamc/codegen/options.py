@@ -1,7 +1,7 @@
 """`CompileOptions`: everything a user can choose that changes the binary. What is not here cannot."""
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import BuildError
@@ -31,6 +31,8 @@ class CompileOptions:
     precision    "double", or "float": accelerations are evaluated in single precision, everything else in double;
                  its round-off, some 1e-7 of an acceleration, stays whatever the tolerance (1e-8 of an angle in the
                  pendulum), and steps that are to be more exact than that are tried in vain
+    large        mechanisms are compiled that take minutes, by the number of their hinges and closing equations; no
+                 binary changes by it
 
     Raises BuildError for values of other types.
     """
@@ -38,6 +40,7 @@ class CompileOptions:
     compiler: str | None = None
     fast: bool = False
     precision: str = "double"
+    large: bool = field(default=False, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.compiler is not None and not isinstance(self.compiler, str):
@@ -46,6 +49,8 @@ class CompileOptions:
             )
         if not isinstance(self.fast, bool):
             raise BuildError(f"fast is {shown(self.fast)}; it must be True or False")
+        if not isinstance(self.large, bool):
+            raise BuildError(f"large is {shown(self.large)}; it must be True or False")
         if self.precision not in PRECISIONS:
             raise BuildError(f"precision is {shown(self.precision)}; it must be 'double' or 'float'")
 

@@ -99,6 +99,9 @@ _sheet = together(
         help="Of a sheet of creases: whether facets bend.  [default: where nothing moves otherwise]",
         show_default=False,
     ),
+    click.option(
+        "--large", is_flag=True, help="Facets, hinges and loops so many that they take minutes are meant."
+    ),
 )
 
 
@@ -116,6 +119,7 @@ def sheeted(function: Function) -> Function:
         roles_file: str | None,
         heal: str | None,
         facets: Any,
+        large: bool,
         **given: Any,
     ) -> int:
         from lamc.records.card import Card, SheetOptions, fixed_of, roles_of  # `--help` does without it
@@ -134,6 +138,7 @@ def sheeted(function: Function) -> Function:
                 every or None,
                 heal,
                 facets,
+                large,
             )
         except DesignError as error:
             raise click.UsageError(str(error)) from error

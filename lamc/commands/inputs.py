@@ -53,7 +53,7 @@ class Source:
 
     @property
     def options(self) -> CompileOptions:
-        return CompileOptions(self.compiler, self.fast, self.precision)
+        return CompileOptions(self.compiler, self.fast, self.precision, bool(self.sheet.large))
 
     def check(self) -> None:
         """Raises LamcError if no design is named, or two, or a file that is none but has an example's name."""
@@ -134,6 +134,7 @@ def load_source(
             roles=sheet.roles,
             heal=sheet.heal,
             facets=sheet.facets,
+            large=bool(sheet.large),
         )
         record, left = dimensioned(record, source.settings, more, of_run=of_run)
         record = stiffened(record, source.hinges, str(path))

@@ -17,6 +17,7 @@ from lamc.commands.inputs import Source, folder_name, load_source, output_folder
 from lamc.commands.terminal import Progress, Terminal
 from lamc.design.split import named_hinges, split_steps
 from lamc.loops.at_start import drawn_loops, loops_of
+from lamc.loops.work import check_work
 from lamc.mechanism.plan import plan
 from lamc.readers.joint_definition import drawn_layers, drawn_lines
 from lamc.readers.joints_layers import layers_of
@@ -60,7 +61,7 @@ def split(source: Source, out: str | None, terminal: Terminal) -> int:
     text = split_text(mechanism, notes)
     parameters = told(loaded.record)
     data = split_data(mechanism, notes)
-    loops, data["loops"] = _loops(mechanism)
+    loops, data["loops"] = _loops(mechanism, large=source.options.large)
     drawn = named_hinges(loaded.record) if isinstance(loaded.record, Design) else ()
     hinges, cuts = hinge_table(account), cut_lines(drawn)
     data["parameters"] = parameters_data(parameters)
@@ -74,12 +75,13 @@ def split(source: Source, out: str | None, terminal: Terminal) -> int:
     return 0
 
 
-def _loops(mechanism: Mechanism) -> tuple[str, dict[str, object] | None]:
+def _loops(mechanism: Mechanism, *, large: bool) -> tuple[str, dict[str, object] | None]:
     """What the loops come to, and the branches of a drawn position that is singular; nothing for a tree."""
     if len(mechanism.joints) <= sum(not body.fixed for body in mechanism.bodies):
         return "", None
     tolerance = mechanism.scene.closure_tolerance if mechanism.scene is not None else None
     try:
+        check_work(mechanism, large=large)
         count, branches = drawn_loops(plan(mechanism), tolerance)
         if count.misfit is not None and mechanism.scene is not None and any(mechanism.scene.angles.values()):
             count = loops_of(

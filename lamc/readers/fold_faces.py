@@ -21,8 +21,21 @@ NEAR = 1e-9  # of the drawing's size: places that are nearer are one
 # (shapely issue 1871, JTS issue 1000); nodes on a grid do not. Far above the round-off of places (2e-16 of the extent),
 # far below NEAR, so that it adds no area that counts.
 _GRID = 1e-12
+# A facet takes a millisecond or so from the file to its body; the largest pattern of public collections has 5100 edges.
+MOST_FACETS = 10_000
 Edge = tuple[int, int]
 Face = tuple[int, ...]
+
+
+def check_count(count: int, what: str, *, large: bool) -> None:
+    """Raises DesignError for a sheet that takes long to read, unless that is meant. what: "facets", or "edges", of
+    which a facet has two at least."""
+    most = MOST_FACETS if what == "facets" else 3 * MOST_FACETS
+    if count > most and not large:
+        raise DesignError(
+            f"the sheet has {count} {what}; of more than {most} it takes minutes to read: take a part of it, or say "
+            "that it is meant (--large; large=True of load)"
+        )
 
 
 def faces_of(

@@ -19,6 +19,7 @@ from lamc.readers.fold_bending import CREASED, FACET, STIFFER, bending, moves
 from lamc.readers.fold_faces import (
     Face,
     beside_edges,
+    check_count,
     counterclockwise,
     faces_of,
     overlap,
@@ -150,6 +151,7 @@ class _Sheet:
         """Faces, flat or laid flat. Raises DesignError where they cannot be."""
         frame, points = self.frame, self.points
         used = points[np.unique(np.array(frame.edges))]
+        check_count(len(frame.edges), "edges", large=self.options.large)
         level = float(np.ptp(used[:, 2])) <= _LEVEL * self.size
         if frame.faces is None:
             if not level:
@@ -159,6 +161,7 @@ class _Sheet:
         elif level:
             faces = tuple(counterclockwise(points[:, :2], face) for face in frame.faces)
             polygons = polygons_of(points[:, :2], faces)
+        check_count(len(faces if level else frame.faces or ()), "facets", large=self.options.large)
         if level:
             pair = overlap(polygons)
             turned = sum(a != b for a, b in zip(faces, frame.faces or faces, strict=True))
@@ -248,7 +251,8 @@ class _Sheet:
                 "facet in their middle"
             )
         for piece in free:
-            members = [k for k, group in enumerate(groups) if group in set(piece)]
+            piece_groups = set(piece)
+            members = [k for k, group in enumerate(groups) if group in piece_groups]
             middle = shapely.MultiPoint(
                 [c for k in members for c in polygons[k].exterior.coords]
             ).envelope.centroid
@@ -270,11 +274,11 @@ class _Sheet:
         members: dict[int, list[shapely.Polygon]] = {}
         for group, polygon in zip(groups, polygons, strict=True):
             members.setdefault(group, []).append(polygon)
-        bodies = []
+        bodies, held = [], set(fixed)
         for group in sorted(members):
             slabs = tuple(Slab(polygon, 0.0, card.thickness) for polygon in members[group])
             mass, com, inertia = body_properties([(slab, card.density) for slab in slabs])
-            bodies.append(Body(names[group], mass, com, inertia, group in fixed, slabs))
+            bodies.append(Body(names[group], mass, com, inertia, group in held, slabs))
         return bodies
 
     def _card(self, own: Own) -> Card:

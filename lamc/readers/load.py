@@ -54,6 +54,7 @@ def load(
     roles: Mapping[str, Role] | None = None,
     heal: float | str | None = None,
     facets: Facets | None = None,
+    large: bool = False,
     set: Mapping[str, float | str] | None = None,  # noqa: A002  what the command line calls --set
 ) -> Design | Mechanism:
     """The design or mechanism in the file at `path`.
@@ -63,6 +64,7 @@ def load(
     limits     what the file may cost; a file beyond them is refused with the limit's name
     fixed, card, crease, units, roles, heal, facets  of a sheet of creases: see `SheetOptions`; None: what the file
                says, else a default with a warning
+    large      a sheet may have more facets than take some seconds
     set        values of its `parameters` in the place of their defaults, SI or text: {"length": "50 mm"}
 
     Raises DesignError (DesignErrors for several problems) for a file that is missing, unreadable, malformed
@@ -73,7 +75,11 @@ def load(
     if materials is not None and not isinstance(materials, Mapping):
         raise DesignError(f"materials is {shown(materials)}; it must map names to Material records")
     record = _loaded(
-        Path(path), materials, progress, limits, SheetOptions(fixed, card, crease, units, roles, heal, facets)
+        Path(path),
+        materials,
+        progress,
+        limits,
+        SheetOptions(fixed, card, crease, units, roles, heal, facets, large),
     )
     return record if set is None else record.with_parameters(set)
 

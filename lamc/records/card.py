@@ -54,6 +54,7 @@ class SheetOptions:
     roles   what lines of a colour ("#ff0000", "red") or a layer are for, of an SVG or DXF drawing: see `Role`
     heal    m, how far ends of lines may be off and are mended; 0: nothing is mended
     facets  "rigid", or "bend" along diagonals and flat lines; None: they bend where nothing moves otherwise
+    large   more facets are read than take some seconds
     """
 
     fixed: str | tuple[float, float] | None = None
@@ -63,6 +64,7 @@ class SheetOptions:
     roles: Mapping[str, Role] | None = None
     heal: GivenMaybe = None  # type: ignore[assignment]  # m
     facets: Facets | None = None
+    large: bool = False
 
     def __post_init__(self) -> None:
         if self.card is not None:
@@ -76,6 +78,8 @@ class SheetOptions:
             units.length_unit(self.units)
         if self.roles is not None:
             object.__setattr__(self, "roles", _checked_roles(self.roles))
+        if not isinstance(self.large, bool):
+            raise DesignError(f"large is {shown(self.large)}; it must be True or False")
         if self.facets is not None and self.facets not in get_args(Facets):
             raise DesignError(f"facets is {shown(self.facets)}; it must be 'rigid' or 'bend'")
         if self.heal is not None:
@@ -86,8 +90,8 @@ class SheetOptions:
 
     @property
     def given(self) -> tuple[str, ...]:
-        """Names of what is given."""
-        names = [each.name for each in fields(self)]
+        """Names of what is given of a sheet alone."""
+        names = [each.name for each in fields(self) if each.name != "large"]
         return tuple(name for name in names if getattr(self, name) is not None)
 
 

@@ -27,7 +27,9 @@ LEVEL = "-O0"  # gcc 12, the C of four hinges: 0.13 s; 0.34 s with -O1, 0.52 s w
 QUICKLY = """
 from lamc.codegen import build, toolchain
 def _quickly(make):
-    return lambda compiler, flags, *others: make(compiler, ["-O0" if f == "-O2" else f for f in flags], *others)
+    def quick(compiler, flags, *others):
+        return make(compiler, ["-O0" if f in ("-O1", "-O2") else f for f in flags], *others)
+    return quick
 build.make_objects, build.make_library = _quickly(toolchain.make_objects), _quickly(toolchain.make_library)
 """
 
@@ -56,7 +58,7 @@ def with_runtime(cache: Path, shared: Path) -> Path:
 
 def quickly(flags: Sequence[str]) -> tuple[str, ...]:
     """The flags, optimising nothing."""
-    return tuple(LEVEL if flag == "-O2" else flag for flag in flags)
+    return tuple(LEVEL if flag in ("-O1", "-O2") else flag for flag in flags)
 
 
 @cache

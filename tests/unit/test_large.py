@@ -1,0 +1,115 @@
+"""What is too much work is refused by what is counted, before it is done, with the way out; the largest models are
+compiled with less optimisation, and keep their bits."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import lamc
+from lamc.basics.errors import DesignError
+from lamc.cli import main
+from lamc.codegen import build
+from lamc.commands.inputs import Source
+from lamc.loops import work
+from lamc.readers import fold_faces
+from lamc.records.card import SheetOptions
+from lamc.records.mechanism import Mechanism
+from tests.support import fold_corpus, hostile_corpus, large_corpus
+from tests.support.ctools import needs_cc
+
+CARD = lamc.Card(thickness="0.3 mm", density="700 kg/m^3")
+
+
+def miura(folder: Path, size: int = 3) -> Path:
+    return fold_corpus.write(folder / "miura.fold", large_corpus.miura(size, size))
+
+
+def loaded(file: Path, **options: Any) -> Mechanism:
+    made = lamc.load(file, card=CARD, crease=1e-3, units="mm", **options)
+    assert isinstance(made, Mechanism)
+    return made
+
+
+@pytest.mark.parametrize("limit", ["MOST_HINGES", "MOST_CLOSING", "MOST_NUMBERS"])
+def test_loops_of_too_much_work_are_refused_with_their_numbers(
+    limit: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """3 x 3 facets have 12 creases and 4 vertices: 24 equations, and 4 rates free where they are flat."""
+    sheet = loaded(miura(tmp_path))
+    monkeypatch.setattr(work, limit, {"MOST_HINGES": 11, "MOST_CLOSING": 23, "MOST_NUMBERS": 47}[limit])
+    with pytest.raises(DesignError, match=r"12 hinges.* 24 closing equations, and 4 rates.*--large"):
+        work.check_work(sheet)
+    work.check_work(sheet, large=True)
+
+
+def test_limits_are_passed_by_one_more_only(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    sheet = loaded(miura(tmp_path))
+    for limit, value in (("MOST_HINGES", 12), ("MOST_CLOSING", 24), ("MOST_NUMBERS", 48)):
+        monkeypatch.setattr(work, limit, value)
+    work.check_work(sheet)
+
+
+def test_a_chain_has_no_closing_equations_and_any_number_of_hinges(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(work, "MOST_HINGES", 8)
+    work.check_work(loaded(hostile_corpus.strip(tmp_path, 12)))
+
+
+@pytest.mark.filterwarnings("ignore::lamc.basics.errors.DesignWarning")
+@pytest.mark.parametrize("kind", ["fold", "svg"])
+def test_a_sheet_of_too_many_facets_is_refused_unless_it_is_meant(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = miura(tmp_path) if kind == "fold" else hostile_corpus.crossed_grid(tmp_path, 2)
+    monkeypatch.setattr(fold_faces, "MOST_FACETS", 8)
+    with pytest.raises(DesignError, match=rf"{file.name}.*9 facets; of more than 8 .*--large"):
+        loaded(file)
+    assert len(loaded(file, large=True).bodies) == 9
+
+
+def test_a_sheet_of_too_many_edges_is_refused_before_facets_are_looked_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fold_faces, "MOST_FACETS", 7)
+    with pytest.raises(DesignError, match="24 edges; of more than 21 "):
+        loaded(miura(tmp_path))
+
+
+def test_the_option_says_that_it_is_meant(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], unpainted: None
+) -> None:
+    """`split` writes what it has and leaves the loops uncounted."""
+    monkeypatch.setattr(work, "MOST_HINGES", 11)
+    with pytest.raises(DesignError, match="12 hinges"):
+        lamc.compile(loaded(miura(tmp_path)))
+    assert Source(sheet=SheetOptions(large=True)).options.large
+    words = ["split", str(miura(tmp_path)), "--out", str(tmp_path / "out")]
+    assert main.main(words, standalone_mode=False) == 0
+    assert "the loops were not counted: the mechanism has 12 hinges" in capsys.readouterr().out
+    assert main.main([*words, "--large"], standalone_mode=False) == 0
+    assert "not counted" not in capsys.readouterr().out
+
+
+@needs_cc
+def test_a_large_model_is_compiled_with_less_and_keeps_its_bits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sheet, flags = loaded(miura(tmp_path)), []
+    make = build.make_library
+
+    def made(compiler: Any, given: Any, *others: Any) -> None:
+        flags.append([flag for flag in given if flag.startswith("-O")])
+        make(compiler, given, *others)
+
+    monkeypatch.setattr(build, "make_library", made)
+    udot = []
+    for limit in (10**9, 10):
+        monkeypatch.setattr(build, "LARGE", limit)
+        monkeypatch.setenv("LAMC_CACHE_DIR", str(tmp_path / str(limit)))
+        simulator = lamc.compile(sheet)
+        udot.append(simulator.acceleration(*np.split(simulator.start, 2)))
+    assert flags == [["-O2"], ["-O1"]]
+    assert np.array_equal(*udot)

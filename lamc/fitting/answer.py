@@ -14,7 +14,8 @@ from lamc.basics.errors import RequestError
 from lamc.basics.once import lazy
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.fitting.predictions import Predictor
-from lamc.fitting.setting import Run, Setting
+from lamc.fitting.recorded import Run
+from lamc.fitting.setting import Setting
 from lamc.fitting.solve import Solved
 from lamc.fitting.uncertainty import Account, Combination
 from lamc.records.recording import Recording

@@ -15,7 +15,7 @@ from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError
 from lamc.fitting.answer import Fit
 from lamc.fitting.predictions import Predictor
-from lamc.fitting.setting import check_columns
+from lamc.fitting.recorded import check_columns
 from lamc.fitting.sight import sight_of
 from lamc.fitting.signals import Column
 from lamc.run.request import Array

@@ -253,9 +253,8 @@ class _Sheet:
         for piece in free:
             piece_groups = set(piece)
             members = [k for k, group in enumerate(groups) if group in piece_groups]
-            middle = shapely.MultiPoint(
-                [c for k in members for c in polygons[k].exterior.coords]
-            ).envelope.centroid
+            corners = shapely.get_coordinates(shapely.get_exterior_ring([polygons[k] for k in members]))
+            middle = shapely.linestrings(corners).envelope.centroid
             away = shapely.distance([polygons[k] for k in members], middle)
             # The lowest of those alike: the middle of a regular sheet is on an edge or a vertex, but for round-off.
             nearest = members[int(np.argmax(away <= away.min() + IN_LINE * self.size))]

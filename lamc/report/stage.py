@@ -9,7 +9,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from shapely.geometry import MultiPoint
 
 from lamc.records.effect import PlaneMark
 from lamc.records.mechanism import Array, Mechanism
@@ -168,7 +167,7 @@ class Stage:
             for azimuth in _AZIMUTHS:
                 axes = _axes(azimuth, elevation)
                 flat = np.concatenate(points) @ np.stack(axes[:2], axis=1)
-                spread = MultiPoint(shapely.points(flat)).convex_hull.area
+                spread = float(shapely.area(shapely.convex_hull(shapely.linestrings(flat))))
                 visible = 1.0
                 if areas.sum() > 0.0:
                     facing = [np.abs(self._rotated_normals(k) @ axes[2]) @ areas for k in instants]

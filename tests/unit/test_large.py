@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import shapely
 
 import lamc
 from lamc.basics.errors import DesignError
@@ -14,6 +15,7 @@ from lamc.codegen import build
 from lamc.commands.inputs import Source
 from lamc.loops import work
 from lamc.readers import fold_faces
+from lamc.readers.drawings import geometry
 from lamc.records.card import SheetOptions
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus, hostile_corpus, large_corpus
@@ -97,7 +99,7 @@ def test_the_option_says_that_it_is_meant(
 def test_a_large_model_is_compiled_with_less_and_keeps_its_bits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    sheet, flags = loaded(miura(tmp_path)), []
+    sheet, flags = loaded(miura(tmp_path)), list[list[str]]()
     make = build.make_library
 
     def made(compiler: Any, given: Any, *others: Any) -> None:
@@ -110,6 +112,18 @@ def test_a_large_model_is_compiled_with_less_and_keeps_its_bits(
         monkeypatch.setattr(build, "LARGE", limit)
         monkeypatch.setenv("LAMC_CACHE_DIR", str(tmp_path / str(limit)))
         simulator = lamc.compile(sheet)
-        udot.append(simulator.acceleration(*np.split(simulator.start, 2)))
+        q, u = np.split(simulator.start, 2)
+        udot.append(simulator.acceleration(q, u))
     assert flags == [["-O2"], ["-O1"]]
-    assert np.array_equal(*udot)
+    assert np.array_equal(udot[0], udot[1])
+
+
+@pytest.mark.parametrize(("most", "found"), [(10**9, 12), (7, 8)])
+def test_crossings_are_found_some_at_a_time(most: int, found: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """3 lines across 4: each of the one with each of the other; with a limit, no more than the query that passes it."""
+    monkeypatch.setattr(geometry, "_AT_ONCE", 14)  # two lines at a time
+    level = [[(0.0, y), (5.0, y)] for y in (1.0, 2.0, 3.0)]
+    upright = [[(x, 0.0), (x, 5.0)] for x in (1.0, 2.0, 3.0, 4.0)]
+    first, second = geometry.crossing_pairs(shapely.linestrings([*level, *upright]), most)
+    every = [(a, b) for a in range(3) for b in range(3, 7)]
+    assert sorted(zip(first.tolist(), second.tolist(), strict=True)) == every[:found]

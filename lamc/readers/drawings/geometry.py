@@ -16,6 +16,7 @@ from lamc.readers.fold_faces import Edge
 from lamc.records.mechanism import Array
 
 Indices = npt.NDArray[np.int64]
+_AT_ONCE = 1_000_000  # pairs of lines that one query for crossings may look at: two seconds, where all cross
 _PARALLEL = 1e-6  # of the product of lengths: lines at a smaller angle do not meet in any useful place
 
 
@@ -108,6 +109,22 @@ def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[in
                 kept[q] = p
                 settled.add(q)
     return kept
+
+
+def crossing_pairs(lines: npt.NDArray[np.object_], most: int) -> tuple[Indices, Indices]:
+    """Pairs of lines that cross, by index, the lower one first; no further ones once they are more than `most`."""
+    tree, step = STRtree(lines), max(1, _AT_ONCE // max(1, len(lines)))
+    none = np.zeros(0, dtype=np.int64)
+    firsts, seconds, count = [none], [none], 0
+    for start in range(0, len(lines), step):
+        a, b = tree.query(lines[start : start + step], predicate="crosses")
+        once = a + start < b
+        firsts.append(a[once] + start)
+        seconds.append(b[once])
+        count += len(firsts[-1])
+        if count > most:
+            break
+    return np.concatenate(firsts), np.concatenate(seconds)
 
 
 def near_pairs(at: Array, segments: Segments, near: float, exact: float) -> tuple[Indices, Indices, Array]:

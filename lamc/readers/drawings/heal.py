@@ -12,10 +12,18 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from shapely import STRtree
 
 from lamc.basics.errors import DesignError
-from lamc.readers.drawings.geometry import Indices, Segments, crossing, drawn, gathered, meeting, near_pairs
+from lamc.readers.drawings.geometry import (
+    Indices,
+    Segments,
+    crossing,
+    crossing_pairs,
+    drawn,
+    gathered,
+    meeting,
+    near_pairs,
+)
 from lamc.readers.drawings.telling import names_of
 from lamc.readers.fold_faces import NEAR, Edge
 from lamc.records.drawing import ROLES, Mend, Role, Stroke
@@ -201,9 +209,7 @@ class _Healer:
     def _part_at_crossings(self) -> bool:
         """Parts lines that cross; crossings nearer to one another than the tolerance become one vertex."""
         lines = shapely.linestrings(self.at[self.segments.pairs()])
-        first, second = STRtree(lines).query(lines, predicate="crosses")
-        once = first < second
-        first, second = first[once], second[once]
+        first, second = crossing_pairs(lines, MOST_EDGES)
         if not len(first):
             return False
         if len(first) > MOST_EDGES:

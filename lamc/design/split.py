@@ -120,7 +120,7 @@ def named_hinges(design: Design) -> tuple[Hinge, ...]:
         for (line, _), height in zip(drawn, heights, strict=True)
     ]
     order = joint_order(marks)
-    lines = shapely.linestrings([line.line for line, _ in drawn])
+    lines = shapely.linestrings(np.reshape([line.line for line, _ in drawn], (-1, 2, 2)))
     names = name_joints(marks, [line.name for line, _ in drawn], order)
     return tuple(
         Hinge(

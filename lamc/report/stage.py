@@ -167,7 +167,7 @@ class Stage:
             for azimuth in _AZIMUTHS:
                 axes = _axes(azimuth, elevation)
                 flat = np.concatenate(points) @ np.stack(axes[:2], axis=1)
-                spread = float(shapely.area(shapely.convex_hull(shapely.linestrings(flat))))
+                spread = float(shapely.area(shapely.convex_hull(shapely.multipoints(flat))))
                 visible = 1.0
                 if areas.sum() > 0.0:
                     facing = [np.abs(self._rotated_normals(k) @ axes[2]) @ areas for k in instants]

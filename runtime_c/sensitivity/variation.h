@@ -103,7 +103,6 @@ static inline lamc_place lamc_place_beside(lamc_sensitivity *s, lamc_real t, con
   const lamc_model *model = s->motion.model;
   const variation v = lamc_variation_of(s);
   lamc_place place = {t, y, v.udot, v.lambda, 0, s->beside.work};
-  lamc_series_put(&s->beside, t);
   if (model->cut_count > 0) {
     place.count = lamc_loops_acceleration(&s->beside, t, y, y + v.nq, v.udot, v.lambda);
   } else if (udot != NULL && lamc_is_plain(model)) {
@@ -178,6 +177,7 @@ static inline void lamc_vary(lamc_sensitivity *s, const lamc_place *at, const la
   const lamc_model *model = s->motion.model;
   const variation v = lamc_variation_of(s);
   lamc_real *late = slope + (ptrdiff_t)v.nq * v.width;
+  lamc_series_put(&s->beside, at->t); /* a remembered place may be of an earlier time than the last */
   s->tangents->residuals(s->beside.constants, at->t, at->y, at->y + v.nq, at->udot, at->lambda, v.derivative);
   s->evaluations++;
   lamc_vary_along(s, &v, sens, late);

@@ -35,15 +35,19 @@ def test_a_leg_steps_farther_by_its_lengths() -> None:
     assert float(found["0.05", "0.06"]["stride (m)"]) > float(found["0.04", "0.06"]["stride (m)"]) > 0.005
 
 
-def test_many_geometries_leave_one_module_and_no_notes_in_the_cache(cache_of_the_session: Path) -> None:
+def test_many_geometries_leave_one_module_and_no_notes_in_the_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cache = tmp_path / "cache"  # its own: the tests that run beside this one add to the shared one
+    monkeypatch.setenv("LAMC_CACHE_DIR", str(cache))
     words = ("--study", "leg", "--vary", "link=48mm,50mm")
     assert call(*words, "--vary", "arm=40mm,41mm").exit_code == 0
-    before = sorted(path.name for path in cache_of_the_session.iterdir())
+    before = sorted(path.name for path in cache.iterdir())
     found = CliRunner().invoke(
         main, ["sweep", "--quiet", *words, "--vary", "arm=42mm:44mm:4", "--out", "more"]
     )
     assert found.exit_code == 0, found.output
-    assert sorted(path.name for path in cache_of_the_session.iterdir()) == before
+    assert sorted(path.name for path in cache.iterdir()) == before
 
 
 def test_a_spring_stores_what_its_angle_says_and_a_jump_is_lower_than_that() -> None:

@@ -128,6 +128,16 @@ def test_many_hinges_are_numbered_and_tabled(tmp_path: Path) -> None:
     assert "<!-- 1  h0" in svg  # Matplotlib tells each text in a comment
 
 
+def test_a_body_without_hinge_or_outline_has_a_picture(tmp_path: Path) -> None:
+    """All that it spans, of which the view is chosen, is a point."""
+    body = lamc.Body(name="stone", mass=1e-3, inertia=np.diag([1e-7, 1e-7, 1e-7]), fixed=True)
+    scene = lamc.Scene(effects=(lamc.Gravity(), lamc.FreeBase()))
+    stone = lamc.Mechanism(name="stone", bodies=(body,), joints=())
+    fallen = lamc.compile(stone, scene).run(0.1)
+    assert draw_folded(fallen, tmp_path / "stone.png", Look(size=300)).is_file()
+    assert draw_folded(lamc.compile(stone, scene).run(0.0), tmp_path / "still.png", Look(size=300)).is_file()
+
+
 @pytest.mark.parametrize("given", [*CAMERAS, "30,20", (30, 20), None])
 def test_cameras_have_names_or_angles(given: object) -> None:
     found = camera_of(given)  # type: ignore[arg-type]

@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.basics.errors import SimulationError
+from lamc.run.derivatives import NoDerivative, Sensitivities
 from lamc.run.request import Array, Request, Status
-from lamc.run.sensitivities import Differentiated, NoDerivative, Sensitivities
+from lamc.run.sensitivities import Differentiated
 
 if TYPE_CHECKING:
     from lamc.run.result import Result

@@ -22,13 +22,13 @@ from lamc.records.mechanism import Mechanism
 from lamc.records.scene import OutputPoint
 from lamc.run import doubts
 from lamc.run.accuracy_record import Accuracy
+from lamc.run.derivatives import Sensitivities
 from lamc.run.energy_balance import IMPACTS, EnergyBalance, Kept, energy_balance_of
 from lamc.run.given_out import GivenOut
 from lamc.run.model import Motion, Unchanging
 from lamc.run.quantities import Quantity, quantity_of
 from lamc.run.request import Array, Status
 from lamc.run.run_record import Event, Provenance, RunStats
-from lamc.run.sensitivities import Sensitivities
 from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:

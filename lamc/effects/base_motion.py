@@ -8,7 +8,8 @@ from typing import Annotated, ClassVar
 import numpy as np
 
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import Unit, Vector
+from lamc.basics.fields import Vector
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import PrescribedBase

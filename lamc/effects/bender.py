@@ -9,7 +9,8 @@ import numpy as np
 from pydantic import Field
 
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import Name, Unit, Vector
+from lamc.basics.fields import Name, Vector
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.bender_plies import LaminateField
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect

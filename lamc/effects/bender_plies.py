@@ -12,7 +12,8 @@ from pydantic import PlainValidator, TypeAdapter, ValidationInfo, WithJsonSchema
 
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import DesignError, LamcError
-from lamc.basics.fields import StrictModel, Unit, inner, part
+from lamc.basics.fields import StrictModel, inner, part
+from lamc.basics.quantity_fields import Unit
 
 if TYPE_CHECKING:
     from lamc.plates.laminates.laminate import Laminate

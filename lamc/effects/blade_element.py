@@ -15,7 +15,8 @@ from shapely.geometry import Polygon
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import Flag, Name, Unit, Vector, Whole
+from lamc.basics.fields import Flag, Name, Vector, Whole
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.registered import RegisteredEffect
 from lamc.effects.strips import Corners, Strip, Wing, gauss, wing
 from lamc.mechanics.added_inertia import AddedInertia

@@ -11,7 +11,8 @@ from pydantic import Field
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import NamesInARow, Unit, Vector
+from lamc.basics.fields import NamesInARow, Vector
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads

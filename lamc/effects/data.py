@@ -7,7 +7,7 @@ An effect says what its fields are by annotations, and has nothing else to do:
 
     stiffness: Annotated[float, Unit("N*m/rad", "of the stop", gt=0.0)]
 
-`lamc.basics.fields` has what may stand there; anything else that pydantic knows may too.
+`lamc.basics.fields` and `quantity_fields` have what may stand there; anything else that pydantic knows may too.
 """
 
 from collections.abc import Mapping
@@ -20,15 +20,8 @@ from pydantic import Field, ValidationError, create_model
 
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import DesignError, DesignErrors, LamcError
-from lamc.basics.fields import (
-    EXPRESSIONS,
-    FOLDER,
-    LENGTH_UNIT,
-    Expressions,
-    Path,
-    StrictModel,
-    problem_text,
-)
+from lamc.basics.fields import EXPRESSIONS, FOLDER, LENGTH_UNIT, StrictModel, problem_text
+from lamc.basics.quantity_fields import Expressions, Path
 
 MOST_MODELS = 256  # that are remembered
 

@@ -10,7 +10,8 @@ import numpy as np
 from pydantic import Field
 
 from lamc.basics.checks import Array
-from lamc.basics.fields import Flag, Name, Names, Unit, Whole
+from lamc.basics.fields import Flag, Name, Names, Whole
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.bender_plies import LaminateField
 from lamc.effects.flexible_plates import BodyPlate, body_plate
 from lamc.effects.registered import RegisteredEffect

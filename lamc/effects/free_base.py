@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 import numpy as np
 
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import Unit, Vector
+from lamc.basics.fields import Vector
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import FloatingBase
 from lamc.mechanics.arranging import Arranging

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from lamc.basics.fields import Unit, Vector
+from lamc.basics.fields import Vector
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
 from lamc.records.effect import Effect

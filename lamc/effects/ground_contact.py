@@ -13,7 +13,8 @@ import numpy as np
 from pydantic import Field
 
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import Names, Unit, Vector, Whole
+from lamc.basics.fields import Names, Vector, Whole
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.contact_points import ContactPoint, Point, check_points, contact_points
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads

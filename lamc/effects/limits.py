@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 from pydantic import Field
 
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import Flag, Unit
+from lamc.basics.fields import Flag
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Hinge, Loads
 from lamc.mechanism.limits import outside_limits

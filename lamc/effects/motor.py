@@ -10,8 +10,9 @@ from pydantic import Field
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import Name, Unit
+from lamc.basics.fields import Name
 from lamc.basics.moved import superseded
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arranging import Arranging

@@ -8,8 +8,9 @@ from pydantic import Field, PlainValidator, ValidationInfo, WithJsonSchema
 
 from lamc.basics.checks import checked_name, is_list, shown
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import EXPRESSIONS, FOLDER, Expressions, Unit, part
+from lamc.basics.fields import EXPRESSIONS, FOLDER, part
 from lamc.basics.number_text import is_measured
+from lamc.basics.quantity_fields import Expressions, Unit
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.effects.hinges import stiffness_claim
 from lamc.effects.registered import RegisteredEffect

@@ -8,7 +8,8 @@ import numpy as np
 from pydantic import Field
 
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import Flag, Name, Unit
+from lamc.basics.fields import Flag, Name
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.registered import RegisteredEffect
 from lamc.effects.torque_laws import checked_rows

@@ -10,7 +10,8 @@ from pydantic import Field
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import Name, Unit, Vector
+from lamc.basics.fields import Name, Vector
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.loads import Loads
 from lamc.records.mechanism import Mechanism

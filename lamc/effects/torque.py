@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from lamc.basics.errors import about
-from lamc.basics.fields import Unit
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.external_torque import constant_claim, is_outside
 from lamc.effects.linear_drive import linear_drive

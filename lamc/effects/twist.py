@@ -10,7 +10,8 @@ from pydantic import Field
 
 from lamc.basics.checks import Array, did_you_mean
 from lamc.basics.errors import DesignError, about
-from lamc.basics.fields import Names, Unit, Vector
+from lamc.basics.fields import Names, Vector
+from lamc.basics.quantity_fields import Unit
 from lamc.effects.hinge_strips import Given, strips_of
 from lamc.effects.registered import RegisteredEffect
 from lamc.mechanics.arrangement import CROSS_FREEDOMS, CompliantHinge

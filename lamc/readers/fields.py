@@ -11,11 +11,12 @@ from pydantic import AfterValidator, BeforeValidator, ValidationInfo, WithJsonSc
 
 from lamc.basics import units
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import EXPRESSIONS, Unit
+from lamc.basics.fields import EXPRESSIONS
 from lamc.basics.fields import LENGTH_UNIT as LENGTH_UNIT
 from lamc.basics.fields import StrictModel as StrictModel
 from lamc.basics.fields import custom as custom
 from lamc.basics.number_text import is_measured
+from lamc.basics.quantity_fields import Unit
 from lamc.basics.units import length_unit
 
 ALL_LAYERS = "all"

@@ -1,7 +1,7 @@
 """Numbers of a file that are expressions in its parameters, for one set of values.
 
 In: `Parameters`, their values, texts. Out: numbers in SI; and which parameters something follows from. It is what
-`lamc.basics.fields` calls `Expressions`.
+`lamc.basics.quantity_fields` calls `Expressions`.
 """
 
 from collections.abc import Mapping

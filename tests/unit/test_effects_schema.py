@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar
 
 import pytest
 
-from lamc.basics.fields import Unit
+from lamc.basics.quantity_fields import Unit
 from lamc.effects import Gravity, JointLimits, Spring, Torque
 from lamc.effects.registered import RegisteredEffect
 from lamc.effects.registry import EFFECTS

@@ -8,8 +8,8 @@ from typing import Annotated
 import pytest
 
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import Unit
 from lamc.basics.number_text import is_measured
+from lamc.basics.quantity_fields import Unit
 from lamc.effects import Gravity, JointLimits, Spring, Torque
 from lamc.effects.data import DataError, file_context, validated
 from lamc.readers.effect_calls import make_effect

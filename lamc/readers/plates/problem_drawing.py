@@ -18,16 +18,15 @@ from lamc.plates.supports import Where
 from lamc.readers.checking import Path, Problems, did_you_mean
 from lamc.readers.load import load
 from lamc.readers.plates.circles import corners_of
-from lamc.readers.plates.polygons import cut, polygon_of_wkt
-from lamc.readers.plates.problem_records import Region
-from lamc.readers.plates.problem_schema import (
+from lamc.readers.plates.geometry_schema import (
     FollowModel,
     GeometryModel,
-    PlateFileModel,
     PlateOutlineModel,
     PlateRegionModel,
-    WhereModel,
 )
+from lamc.readers.plates.polygons import cut, polygon_of_wkt
+from lamc.readers.plates.problem_records import Region
+from lamc.readers.plates.problem_schema import PlateFileModel, WhereModel
 from lamc.readers.plates.section_file import Sections
 from lamc.records.design import Design
 from lamc.records.mechanism import checked_name

@@ -10,7 +10,8 @@ from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from lamc.basics import units
 from lamc.basics.errors import DesignError
-from lamc.basics.fields import UNIT, Unit
+from lamc.basics.fields import UNIT
+from lamc.basics.quantity_fields import Unit
 from lamc.basics.units import to_si
 from lamc.readers import fields
 from lamc.readers.fields import Density, Length, Modulus, StrictModel

@@ -9,6 +9,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -30,10 +31,22 @@ UNITS = {
     "um": 1e-6,
     "nm": 1e-9,
 }
+KEYS = (  # of spec 1.2
+    *(f"file_{key}" for key in ("spec", "creator", "author", "title", "description", "classes", "frames")),
+    *(f"frame_{key}" for key in ("author", "title", "description", "classes", "attributes", "unit")),
+    *("frame_parent", "frame_inherit"),
+    *(f"vertices_{key}" for key in ("coords", "vertices", "edges", "faces")),
+    *(f"edges_{key}" for key in ("vertices", "faces", "assignment", "foldAngle", "length")),
+    *(f"faces_{key}" for key in ("vertices", "edges", "faces")),
+    *("faceOrders", "edgeOrders"),
+)
 LARGEST = 1e12  # of a coordinate: squares and products of such numbers stay finite and are told apart
 
 _MARKS = re.compile(
     r'"(?:file_spec|file_frames|frame_classes|vertices_coords|edges_vertices|faces_vertices)"\s*:'
+)
+_NEARLY = (
+    0.85  # of 1, by difflib: a letter or two of a key; `faces_layer` of other programs is a key of its own
 )
 _MOST_FRAMES = 10_000  # of a chain of parents
 Data = Mapping[str, Any]
@@ -81,6 +94,13 @@ class FoldFrame:
         return f"edge{'s' if len(numbers) > 1 else ''} {listed_names([str(self.number(k)) for k in numbers])}"
 
 
+def _meant(key: str) -> str | None:
+    """The key of FOLD that another one, which is nobody's own (`NAME:KEY`), is nearly; None where there is none."""
+    if key in KEYS or ":" in key:
+        return None
+    return next(iter(get_close_matches(key, KEYS, n=1, cutoff=_NEARLY)), None)
+
+
 def is_fold(text: str) -> bool:
     """True for a text that is meant as FOLD."""
     return text.lstrip("\ufeff \t\r\n")[:1] == "{" and _MARKS.search(text) is not None
@@ -108,6 +128,9 @@ class _Reader:
     def frame(self) -> FoldFrame:
         self._check_spec()
         data = self._chosen()
+        for key in data:
+            if (meant := _meant(key)) is not None and meant not in data:
+                self.notes.append(f"the key {key!r} is none of FOLD's, and is not read; is {meant!r} meant?")
         vertices = self._vertices(data)
         faces = self._faces(data, len(vertices))
         edges = self._edges(data, len(vertices), faces)
@@ -200,7 +223,11 @@ class _Reader:
     def _vertices(self, data: Data) -> Array:
         rows = self._list(data, "vertices_coords")
         if not rows:
-            raise self.error("the frame has no vertices_coords; lamc needs places, not only their order")
+            near = next((key for key in data if _meant(key) == "vertices_coords"), None)
+            also = f"; {near!r} is none of FOLD's keys: is that meant?" if near else ""
+            raise self.error(
+                f"the frame has no vertices_coords; lamc needs places, not only their order{also}"
+            )
         found = np.zeros((len(rows), 3))
         for index, row in enumerate(rows):
             right = isinstance(row, list) and len(row) in (2, 3) and all(_is_number(v) for v in row)

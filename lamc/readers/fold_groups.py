@@ -41,6 +41,9 @@ def joined_edges(frame: FoldFrame, beside: Beside, notes: list[str]) -> list[int
     if rim:
         named = "drawn as creases" if frame.sources else "marked M or V"
         notes.append(f"{frame.told(rim)} {named} with a facet on one side only: taken for the rim (B)")
+    alone = [k for k, pair in enumerate(beside) if pair == (None, None)]
+    if alone and frame.faces is not None:  # where facets are looked for, what parts none is told there
+        notes.append(f"{frame.told(alone)}: beside no facet that the file lists; left out, and no hinge")
     return joined
 
 

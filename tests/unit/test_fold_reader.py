@@ -210,6 +210,38 @@ def test_edges_that_part_nothing_are_told_once(tmp_path: Path) -> None:
     assert counts(read(tmp_path, data)) == (6, 5)
 
 
+def square(**more: Any) -> Data:
+    """A square with a crease inside it that reaches no side."""
+    return {
+        "frame_unit": "mm",
+        "vertices_coords": [[0, 0], [40, 0], [40, 40], [0, 40], [10, 30], [30, 10]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5]],
+        "edges_assignment": ["B", "B", "B", "B", "V"],
+        **more,
+    }
+
+
+@pytest.mark.parametrize("listed", [True, False])
+@pytest.mark.parametrize("facets", ["rigid", "bend"])
+def test_a_crease_beside_no_facet_is_told_by_its_number(tmp_path: Path, facets: str, listed: bool) -> None:
+    data = square(faces_vertices=[[0, 1, 2, 3]]) if listed else square()
+    told = notes(tmp_path, data, card=CARD, crease=1e-3, facets=facets)
+    assert sum("left out" in note for note in told) == 1
+    assert any(note.split(": ", 1)[-1].startswith(("edge 4: beside no", "edges 4 end")) for note in told)
+
+
+def test_a_key_that_is_nearly_one_of_folds_is_told(tmp_path: Path) -> None:
+    told = notes(tmp_path, square(edges_foldAngles=[0, 0, 0, 0, 90], faces_layer=[0], **{"my:faceOrder": []}))
+    assert [note for note in told if "none of FOLD's" in note] == [
+        f"{tmp_path / 'sheet.fold'}: the key 'edges_foldAngles' is none of FOLD's, and is not read; is "
+        "'edges_foldAngle' meant?"
+    ]
+    data = square()
+    data["vertices_coord"] = data.pop("vertices_coords")
+    with pytest.raises(LamcError, match="no vertices_coords.*; 'vertices_coord' is none of FOLD's keys"):
+        read(tmp_path, data)
+
+
 def corner_at(data: Data, x: float, y: float) -> int:
     return int(data["vertices_coords"].index([x, y]))
 

@@ -238,7 +238,7 @@ def test_a_key_that_is_nearly_one_of_folds_is_told(tmp_path: Path) -> None:
     ]
     data = square()
     data["vertices_coord"] = data.pop("vertices_coords")
-    with pytest.raises(LamcError, match="no vertices_coords.*; 'vertices_coord' is none of FOLD's keys"):
+    with pytest.raises(LamcError, match=r"no vertices_coords.*; 'vertices_coord' is none of FOLD's keys"):
         read(tmp_path, data)
 
 

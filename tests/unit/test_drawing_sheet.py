@@ -137,6 +137,39 @@ def test_without_an_outline_cuts_are_one_and_else_the_lines_are() -> None:
     assert any("no outline is drawn" in each for each in told)
 
 
+def star(off: float) -> list[Stroke]:
+    """A square of 100 mm, and four creases across it that pass its middle at most `off`, mm, beside it."""
+    ways = np.radians([20.0, 65.0, 110.0, 155.0])
+    lines = []
+    for k, (x, y) in enumerate(np.stack([np.cos(ways), np.sin(ways)], axis=1)):
+        aside = off * (-1.0, 0.3, 1.0, -0.6)[k] * np.array([-y, x])
+        reach = np.array([x, y]) * 50.0 / max(abs(x), abs(y))
+        ends = [50.0 + aside + way * (reach + 2.0 * reach / np.hypot(*reach)) for way in (-1.0, 1.0)]
+        inside = np.clip(ends, 0.0, 100.0)
+        lines.append(line(*map(tuple, inside.tolist()), role="valley"))
+    return [square(0, 0, 100), *lines]
+
+
+def test_lines_that_all_but_meet_in_one_place_leave_no_slivers() -> None:
+    # the corners lie up to 0.05 mm apart, and the usual tolerance is 0.01 mm
+    made, told = read(*star(0.016))
+    assert (len(made.bodies), len(made.joints)) == (8, 8)
+    assert [note.endswith("healed within 10 times the usual") for note in told if "narrower" in note] == [
+        True
+    ]
+    made, told = read(*star(0.005))
+    assert (len(made.bodies), len(made.joints)) == (8, 8)
+    assert [note.endswith("healed within 3 times the usual") for note in told if "narrower" in note] == [True]
+    # what a tolerance that is given leaves is told with its place
+    made, told = read(*star(0.016), heal=0.0)
+    assert len(made.bodies) > 8
+    assert any("narrower than 0.05 mm, the first at (" in note for note in told)
+    # nothing is healed farther for lines that part facets as wide as these
+    made, told = read(*star(2.0))
+    assert len(made.bodies) > 8
+    assert not any("narrower" in note for note in told)
+
+
 def test_a_crease_that_dangles_is_left_out_and_told() -> None:
     made, told = read(square(0, 0, 40), HINGE, line((20, 20), (30, 20), source="path #mark"))
     assert len(made.bodies) == 2

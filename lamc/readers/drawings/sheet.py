@@ -5,7 +5,7 @@ Never: changes a line without a mend.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -45,6 +45,9 @@ WIDER = (
     3.0,
     10.0,
 )  # times the usual tolerance: drawings of few digits; the last is a thousandth of the size
+# Of the size: facets narrower than that, on average, are where lines should have met in one place, a pixel or so beside
+# another: of a sheet of 100 mm they would be 0.05 mm wide, less than any card is thick.
+NARROW = 5e-4
 
 
 def sheet_of(drawing: Drawing, options: SheetOptions) -> Mechanism:
@@ -68,18 +71,10 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
         raise DesignError(
             "the drawing has no line that is for anything; say what lines are for (--role red=cut)"
         )
-    graph, kept, loose, tolerance = _healed(strokes, options.heal)
-    if not kept:
-        raise DesignError(
-            f"the lines enclose no facet, of {name_of(strokes, 0)} and others, healed within {1e3 * tolerance:.3g} mm: "
-            "draw the sheet's outline, or join its ends (--heal '0.5 mm')"
-        )
-    notes = list(drawing.notes)
-    region = _region(graph, strokes, kept, notes)
-    points, edges, origin = linked(graph.points, [graph.edges[k] for k in kept])
-    faces = faces_within(points, edges, region)
-    if not faces:
-        raise DesignError("the outlines enclose no facet")
+    found, told_narrow = _found(strokes, options.heal)
+    graph, kept, loose, tolerance = found.graph, found.kept, found.loose, found.tolerance
+    points, edges, origin, faces = found.points, found.edges, found.origin, found.faces
+    notes = [*drawing.notes, *found.notes, *told_narrow]
     sides = {side for face in faces for side in zip(face, (*face[1:], face[0]), strict=True)}
     used = [k for k, (a, b) in enumerate(edges) if (a, b) in sides or (b, a) in sides]
     owners = [None if (of := origin[k]) is None else graph.strokes[kept[of]] for k in range(len(edges))]
@@ -101,25 +96,99 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
     return frame, (*graph.mends, *loose, *beyond), tolerance
 
 
-def _healed(strokes: Sequence[Stroke], asked: float | None) -> tuple[Graph, list[int], list[Mend], float]:
-    """The graph, its edges that part something, mends of those left out, and the tolerance: the one that is asked for,
-    else the least of the usual ones with which no line stops short of another."""
-    usual = [factor * DEFAULT * size_of(strokes) for factor in WIDER]
-    wide = 1e3 * size_of(strokes)
-    if asked is not None and 1e3 * asked > MOST * wide:
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Facets of the drawing healed within one tolerance, m.
+
+    kept    edges of the graph that part something; loose: mends of those left out
+    origin  which of those kept each of `edges` is a part of; None: a link to a hole
+    """
+
+    graph: Graph
+    kept: list[int]
+    loose: list[Mend]
+    tolerance: float
+    points: Array
+    edges: Sequence[Edge]
+    origin: Sequence[int | None]
+    faces: Sequence[tuple[int, ...]]
+    notes: list[str]
+
+    def narrow(self, width: float) -> list[Array]:
+        """A place in each facet that is narrower, on average, than `width`, m."""
+        shapes = [shapely.Polygon(self.points[list(face)]) for face in self.faces]
+        slim = [shape for shape in shapes if 2.0 * shape.area < width * shape.length]
+        return [shapely.get_coordinates(shape.representative_point())[0] for shape in slim]
+
+
+def _found(strokes: Sequence[Stroke], asked: float | None) -> tuple[_Found, list[str]]:
+    """Facets with the tolerance that is asked for; else with the least of the usual ones with which no line stops short
+    of another, or with the next that leaves no facet as narrow as lines that were to meet in one place make."""
+    size = size_of(strokes)
+    if asked is not None and asked > MOST * size:
         raise DesignError(
-            f"the tolerance of healing is {1e3 * asked:g} mm, and the drawing {wide:.3g} mm wide: it must be at most "
-            f"{MOST * wide:.3g} mm; numbers without a unit are metres: --heal '0.1 mm'"
+            f"the tolerance of healing is {1e3 * asked:g} mm, and the drawing {1e3 * size:.3g} mm wide: it must be at "
+            f"most {1e3 * MOST * size:.3g} mm; numbers without a unit are metres: --heal '0.1 mm'"
         )
-    for tolerance in usual if asked is None else [asked]:
-        graph = healed(strokes, tolerance)
-        kept = parting(graph.points, graph.edges)
+    usual = [asked] if asked is not None else [factor * DEFAULT * size for factor in WIDER]
+    for k, tolerance in enumerate(usual):
         try:
-            return graph, kept, left_out(graph, strokes, kept, tolerance), tolerance
-        except DesignError:
-            if asked is not None or tolerance == usual[-1]:
-                raise
+            found = _within(strokes, tolerance)
+        except _StopsShortError as error:
+            if k == len(usual) - 1:
+                raise error.why from error
+            continue
+        narrow = found.narrow(NARROW * size)
+        if not narrow:
+            return found, []
+        told_narrow = (
+            f"{len(narrow)} facet{'s' if len(narrow) > 1 else ''} narrower than {1e3 * NARROW * size:.3g} mm"
+        )
+        for factor, wide in zip(WIDER[k + 1 :], usual[k + 1 :], strict=False):
+            try:
+                wider = _within(strokes, wide)
+            except (_StopsShortError, DesignError):
+                continue
+            if not wider.narrow(NARROW * size):
+                return wider, [
+                    f"lines that all but meet part off {told_narrow}: healed within {factor:g} times the usual"
+                ]
+        x, y = 1e3 * narrow[0]
+        return found, [
+            f"{told_narrow}, the first at ({x:.6g}, {y:.6g}) mm: such facets make runs slow, and may stop them; "
+            "--heal with a wider tolerance joins lines that were to meet there"
+        ]
     raise AssertionError("the last tolerance returns or raises")
+
+
+class _StopsShortError(Exception):
+    """A line stops short of another by more than the tolerance."""
+
+    def __init__(self, why: DesignError) -> None:
+        super().__init__(str(why))
+        self.why = why
+
+
+def _within(strokes: Sequence[Stroke], tolerance: float) -> _Found:
+    """Raises _StopsShortError, and DesignError where lines enclose nothing."""
+    graph = healed(strokes, tolerance)
+    kept = parting(graph.points, graph.edges)
+    try:
+        loose = left_out(graph, strokes, kept, tolerance)
+    except DesignError as error:
+        raise _StopsShortError(error) from error
+    if not kept:
+        raise DesignError(
+            f"the lines enclose no facet, of {name_of(strokes, 0)} and others, healed within {1e3 * tolerance:.3g} mm: "
+            "draw the sheet's outline, or join its ends (--heal '0.5 mm')"
+        )
+    notes: list[str] = []
+    region = _region(graph, strokes, kept, notes)
+    points, edges, origin = linked(graph.points, [graph.edges[k] for k in kept])
+    faces = faces_within(points, edges, region)
+    if not faces:
+        raise DesignError("the outlines enclose no facet")
+    return _Found(graph, kept, loose, tolerance, points, edges, origin, faces, notes)
 
 
 def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes: list[str]) -> MultiPolygon:

@@ -7,15 +7,15 @@ Erik D. Demaine, Jason S. Ku, Robert J. Lang, A new file standard to represent f
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, Place
+from lamc.readers.fold_frames import Data, chosen_frame, meant
 from lamc.readers.inert import Limits
 from lamc.readers.json_text import parsed
 from lamc.records.mechanism import Array
@@ -31,25 +31,11 @@ UNITS = {
     "um": 1e-6,
     "nm": 1e-9,
 }
-KEYS = (  # of spec 1.2
-    *(f"file_{key}" for key in ("spec", "creator", "author", "title", "description", "classes", "frames")),
-    *(f"frame_{key}" for key in ("author", "title", "description", "classes", "attributes", "unit")),
-    *("frame_parent", "frame_inherit"),
-    *(f"vertices_{key}" for key in ("coords", "vertices", "edges", "faces")),
-    *(f"edges_{key}" for key in ("vertices", "faces", "assignment", "foldAngle", "length")),
-    *(f"faces_{key}" for key in ("vertices", "edges", "faces")),
-    *("faceOrders", "edgeOrders"),
-)
 LARGEST = 1e12  # of a coordinate: squares and products of such numbers stay finite and are told apart
 
 _MARKS = re.compile(
     r'"(?:file_spec|file_frames|frame_classes|vertices_coords|edges_vertices|faces_vertices)"\s*:'
 )
-_NEARLY = (
-    0.85  # of 1, by difflib: a letter or two of a key; `faces_layer` of other programs is a key of its own
-)
-_MOST_FRAMES = 10_000  # of a chain of parents
-Data = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
@@ -94,13 +80,6 @@ class FoldFrame:
         return f"edge{'s' if len(numbers) > 1 else ''} {listed_names([str(self.number(k)) for k in numbers])}"
 
 
-def _meant(key: str) -> str | None:
-    """The key of FOLD that another one, which is nobody's own (`NAME:KEY`), is nearly; None where there is none."""
-    if key in KEYS or ":" in key:
-        return None
-    return next(iter(get_close_matches(key, KEYS, n=1, cutoff=_NEARLY)), None)
-
-
 def is_fold(text: str) -> bool:
     """True for a text that is meant as FOLD."""
     return text.lstrip("\ufeff \t\r\n")[:1] == "{" and _MARKS.search(text) is not None
@@ -127,10 +106,7 @@ class _Reader:
 
     def frame(self) -> FoldFrame:
         self._check_spec()
-        data = self._chosen()
-        for key in data:
-            if (meant := _meant(key)) is not None and meant not in data:
-                self.notes.append(f"the key {key!r} is none of FOLD's, and is not read; is {meant!r} meant?")
+        data = chosen_frame(self.data, self.error, self.notes)
         vertices = self._vertices(data)
         faces = self._faces(data, len(vertices))
         edges = self._edges(data, len(vertices), faces)
@@ -179,39 +155,6 @@ class _Reader:
         if isinstance(spec, int | float) and not 1.0 <= spec < 2.0:
             self.notes.append(f"the file says spec {spec:g}; it is read as 1.2")
 
-    def _chosen(self) -> dict[str, Any]:
-        """The frame that is read, with what it inherits."""
-        frames = self.data.get("file_frames", [])
-        if not isinstance(frames, list) or not all(isinstance(frame, dict) for frame in frames):
-            raise self.error("file_frames must be a list of maps")
-        key = {name: value for name, value in self.data.items() if name != "file_frames"}
-        every = [key, *frames]
-        for index in range(len(every)):
-            merged = self._inherited(every, index)
-            if "edges_vertices" in merged or "faces_vertices" in merged:
-                if index:
-                    self.notes.append(f"the key frame has no edges: frame {index} is read")
-                return {**{k: v for k, v in key.items() if k in ("file_title", "frame_unit")}, **merged}
-        raise self.error("no frame has edges_vertices or faces_vertices; draw the sheet's edges")
-
-    def _inherited(self, every: list[dict[str, Any]], index: int) -> dict[str, Any]:
-        chain = [every[index]]
-        seen = {index}
-        while chain[-1].get("frame_inherit") is True:
-            parent = chain[-1].get("frame_parent", 0)
-            if isinstance(parent, bool) or not isinstance(parent, int) or not 0 <= parent < len(every):
-                raise self.error(
-                    f"frame {index} has frame_parent {shown(parent)}; frames are 0 to {len(every) - 1}"
-                )
-            if parent in seen or len(seen) > _MOST_FRAMES:
-                raise self.error(f"frame {index} inherits from itself, by frame {parent}: a parent must not")
-            seen.add(parent)
-            chain.append(every[parent])
-        merged: dict[str, Any] = {}
-        for frame in reversed(chain):
-            merged.update(frame)
-        return merged
-
     def _list(self, data: Data, key: str, length: int | None = None, of: str = "") -> list[Any]:
         found = data.get(key, [])
         if not isinstance(found, list):
@@ -223,7 +166,7 @@ class _Reader:
     def _vertices(self, data: Data) -> Array:
         rows = self._list(data, "vertices_coords")
         if not rows:
-            near = next((key for key in data if _meant(key) == "vertices_coords"), None)
+            near = next((key for key in data if meant(key) == "vertices_coords"), None)
             also = f"; {near!r} is none of FOLD's keys: is that meant?" if near else ""
             raise self.error(
                 f"the frame has no vertices_coords; lamc needs places, not only their order{also}"

@@ -9,7 +9,7 @@ from typing import Any
 
 from lamc.basics.checks import checked_name, checked_number, shown
 from lamc.basics.errors import DesignError
-from lamc.readers.fold_file import Data
+from lamc.readers.fold_frames import Data
 from lamc.records.card import Card
 
 CARD, BODIES, FIXED, HINGES = "lamc:card", "lamc:faces_body", "lamc:fixed", "lamc:edges_hinge"

@@ -298,6 +298,21 @@ def test_frames_inherit_and_a_bare_key_frame_gives_way(tmp_path: Path) -> None:
         read(tmp_path, {**base, "file_frames": loop})
 
 
+def test_other_frames_that_draw_a_sheet_are_told(tmp_path: Path) -> None:
+    folded = {
+        "frame_inherit": True,
+        "frame_parent": 0,
+        "vertices_coords": corpus.box_net()["vertices_coords"],
+    }
+    told = notes(tmp_path, {**corpus.box_net(), "file_frames": [folded]}, card=CARD, crease=1e-3)
+    assert not any("only frame" in note for note in told)
+    several = {**corpus.box_net(), "file_frames": [folded, corpus.miura(2, 2), corpus.miura(3, 2)]}
+    told = notes(tmp_path, several, card=CARD, crease=1e-3)
+    assert [note.split(": ", 1)[1].split(":")[0] for note in told if "only frame" in note] == [
+        "only frame 0 is read, and 2, 3 draw sheets of their own"
+    ]
+
+
 def set_at(*path: Any) -> Callable[[Any], Callable[[Data], None]]:
     def of(value: Any) -> Callable[[Data], None]:
         def change(data: Data) -> None:

@@ -1,17 +1,18 @@
 """Every field that a file may have is described, with unit and default; every part has an example that reads."""
 
 import re
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from lamc.basics.fields import MEANING, UNIT, StrictModel
 from lamc.effects.registry import by_name
-from lamc.readers import mechanism_schema, native, scene_schema, schema, study_file
+from lamc.readers import native, schema, study_file
 from lamc.readers.checking import validate
 from lamc.readers.fields import LENGTH_UNIT
 from lamc.readers.inert import compose, plain
-from lamc.readers.plates import problem_schema, section_schema
+from lamc.readers.plates import problem_schema
 from lamc.readers.schema_names import _PARTS, called, definitions, parts
 from lamc.report.schema_text import field_rows, schema_table
 
@@ -57,8 +58,14 @@ def test_every_part_has_a_name_and_every_name_a_part() -> None:
 def _model(of: str) -> type[StrictModel]:
     if of in schema_files():
         return schema_files()[of]
-    modules = (schema, mechanism_schema, scene_schema, problem_schema, section_schema, study_file)
-    return next(getattr(module, of) for module in modules if hasattr(module, of))
+    (found,) = [model for model in every_model(StrictModel) if model.__name__ == of]
+    return found
+
+
+def every_model(of: type[StrictModel]) -> Iterator[type[StrictModel]]:
+    for model in of.__subclasses__():
+        yield model
+        yield from every_model(model)
 
 
 def schema_files() -> dict[str, type[StrictModel]]:

@@ -167,6 +167,7 @@ drawing.tell(  # (kind of record, verb) → "module:function", imported when the
         ("Solution", "plot"): "lamc.report.plate_plot:plot",
         ("Result", "plot"): "lamc.report.plots:plot",
         ("Result", "animate"): "lamc.report.animation:animate",
+        ("Fit", "animate"): "lamc.report.fit_film:animate",
     }
 )
 

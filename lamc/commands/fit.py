@@ -19,7 +19,7 @@ from lamc.basics.yaml_text import dump
 from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_name, load_source, output_folder
 from lamc.commands.pairs import split_pair
 from lamc.commands.quick_imports import quick_imports
-from lamc.commands.terminal import Terminal, plain
+from lamc.commands.terminal import Progress, Terminal, plain
 from lamc.fitting.answer import Compared, Fit
 from lamc.fitting.fit import answered
 from lamc.fitting.mapped import Asked, own_names, recording_of
@@ -30,6 +30,7 @@ from lamc.records.mechanism import Mechanism
 from lamc.records.recording import Recording
 from lamc.records.scene import Scene
 from lamc.report.fit_text import candidates_data, candidates_text, fit_data, fit_summary
+from lamc.report.look import Look
 
 SCENE = "scene.yaml"
 
@@ -51,6 +52,8 @@ class FitOrder:
     starts: int
     seed: int
     pictures: bool
+    film: bool
+    look: Look
     design: tuple[str, ...]  # candidates
     out: str | None
 
@@ -89,6 +92,7 @@ def fit(order: FitOrder, terminal: Terminal) -> int:
             more = answer.candidates(order.design) if order.design else ()
         with output_folder(order.out, f"{folder_name(loaded.name)}_fit") as folder, times.stage("write"):
             files = _write(answer, held, folder, loaded.name, order)
+            files += _filmed(answer, folder, order, progress)
     unread = sorted({column for path in names for column in found[path][1]})
     left = f"not read   {', '.join(unread[:12])}\n\n" if unread else ""
     sets = "".join(f" --set {name}={value!r}" for name, value in answer.dimensions.items())
@@ -193,6 +197,25 @@ def _write(answer: Fit, held: list[Compared], folder: Path, name: str, order: Fi
 
     write_text(folder / "fit.html", fit_page(f"{name}: fit", answer, held, pictures))
     return [*files, "fit.html"]
+
+
+def _filmed(answer: Fit, folder: Path, order: FitOrder, progress: Progress) -> list[str]:
+    """Films of all recordings, one each. Returns their names."""
+    if not order.film:
+        return []
+    with quick_imports():
+        from lamc.report.fit_film import draw_fit_film
+    return [
+        draw_fit_film(
+            answer,
+            which,
+            folder,
+            "overlay" if which == 0 else f"overlay_{which + 1}",
+            lambda k, n: progress.part(k, n),
+            look=order.look,
+        ).name
+        for which in range(len(answer.compared))
+    ]
 
 
 def scene_text(answer: Fit, name: str) -> str:

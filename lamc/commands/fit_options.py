@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from lamc.basics.errors import RequestError
 from lamc.commands.design_options import (
     compiler,
     design,
@@ -14,7 +15,7 @@ from lamc.commands.design_options import (
     sourced,
     staged,
 )
-from lamc.commands.options import speaking
+from lamc.commands.options import camera_option, size_option, speaking
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -79,6 +80,13 @@ if TYPE_CHECKING:
 @sheeted
 @compiler
 @precision
+@click.option(
+    "--film/--no-film",
+    default=False,
+    help="Film each recording over the fitted motion: MP4 where the extra `video` is, else GIF.",
+)
+@camera_option
+@size_option
 @click.option("--no-pictures", is_flag=True, help="Draw nothing.")
 @click.option(
     "--out",
@@ -102,6 +110,9 @@ def fit(
     seed: int,
     design: tuple[str, ...],
     changes: "SceneChanges",
+    film: bool,
+    camera: str | None,
+    size: int | None,
     no_pictures: bool,
     out: str | None,
     terminal: Terminal,
@@ -112,7 +123,8 @@ def fit(
     the model's hinges need no --map; headings hold units: t [s], h1 [deg], tip.x [mm]. Empty cells and NaN are gaps.
 
     \b
-    Writes scene.yaml with what was found, for `lamc run FILE --scene`; fit.json, overlay.png, residuals.png, fit.html.
+    Writes scene.yaml with what was found, for `lamc run FILE --scene`; fit.json, overlay.png, residuals.png, fit.html;
+    with --film overlay.mp4 (overlay_2.mp4, ...), in which recorded points and angles are drawn over the fitted motion.
     Tells 95 % intervals, what the data cannot tell, and where residuals are no noise.
     Exit code 3 if it did not converge: what was found is written all the same.
 
@@ -120,8 +132,14 @@ def fit(
     Examples:
       lamc fit flap.yaml --data run1.csv --data run2.csv --free h1.stiffness --free h1.damping
       lamc fit flap.yaml --data cam.csv --map 'tip=link_2@(30mm, 0, 0)' --frame x,-z --free h1.stiffness \\
-        --free delay=0:20ms --hold-out other.csv
+        --free delay=0:20ms --hold-out other.csv --film
     """
+    from lamc.report.look import Look, camera_of
+
+    try:
+        look = Look(camera_of(camera), size)
+    except RequestError as error:
+        raise click.UsageError(error.message) from error
     from lamc.commands.fit import FitOrder
     from lamc.commands.fit import fit as work
 
@@ -139,6 +157,8 @@ def fit(
         starts=starts,
         seed=seed,
         pictures=not no_pictures,
+        film=film,
+        look=look,
         design=design,
         out=out,
     )

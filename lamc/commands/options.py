@@ -99,6 +99,17 @@ def speaking(function: Function) -> Function:
     return wrapped
 
 
+camera_option = click.option(
+    "--camera",
+    metavar="VIEW",
+    help="front, back, left, right, top, bottom, corner, or AZIMUTH,ELEVATION in degrees.  "
+    "[default: where the motion is seen best]",
+)
+size_option = click.option(
+    "--size", type=int, metavar="PIXELS", help="Longer side of the device's picture, and of a film."
+)
+
+
 def looked(function: Function) -> Function:
     """Adds --format, --camera and --size, and hands the function a Look, `look`."""
 
@@ -120,15 +131,8 @@ def looked(function: Function) -> Function:
             default="png",
             help="Format of the pictures.",
         ),
-        click.option(
-            "--camera",
-            metavar="VIEW",
-            help="front, back, left, right, top, bottom, corner, or AZIMUTH,ELEVATION in degrees.  "
-            "[default: where the motion is seen best]",
-        ),
-        click.option(
-            "--size", type=int, metavar="PIXELS", help="Longer side of the device's picture, and of a film."
-        ),
+        camera_option,
+        size_option,
     )
     decorated: Function = options(wrapped)
     return decorated

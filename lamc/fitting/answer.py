@@ -4,17 +4,19 @@ In: a solved problem. Out: a `Fit`. It runs the model where a run is asked for, 
 recording's own numbers.
 """
 
-from collections.abc import Mapping, Sequence
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lamc.basics.drawing import drawer
 from lamc.basics.errors import RequestError
 from lamc.basics.once import lazy
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.fitting.predictions import Predictor
-from lamc.fitting.recorded import Run
 from lamc.fitting.setting import Setting
 from lamc.fitting.solve import Solved
 from lamc.fitting.uncertainty import Account, Combination
@@ -156,7 +158,7 @@ class Fit:
 
     def result_of(self, which: int | str) -> Result:
         """The run of a recording, by its place or name, from its start to its end, 200 rows a second."""
-        _, place = self._run(which)
+        place = self.place_of(which)
         task = self.predictor.task(place, self.values, sloped=False)
         end = float(task.times[-1])
         span = end - task.t_start
@@ -164,6 +166,26 @@ class Fit:
         request = Request(task.y0, end, 1e-9, 1e-11, times, 1_000_000, np.inf, None, t_start=task.t_start)
         given: dict[str, Any] = dict(task.parameters)
         return task.simulator.integrated(task.simulator.model.motion(given), given, request, "auto")
+
+    def animate(
+        self,
+        path: "str | os.PathLike[str]",
+        which: int | str = 0,
+        *,
+        camera: str | Sequence[float] | None = None,
+        size: int | None = None,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Path:
+        """A film of the fitted model with what was recorded over it: .mp4 or .gif, as the suffix says.
+
+        which   recording, by its place or name
+        camera, size, progress  as of `Result.animate`
+
+        Rings are points as recorded, dots the model's; outlines are bodies turned about their hinges as recorded.
+        Raises as `Result.animate` does.
+        """
+        film: Path = drawer("Fit", "animate")(self, path, which, camera=camera, size=size, progress=progress)
+        return film
 
     def held_back(self, recording: Recording) -> Compared:
         """A recording that the fit was not made of, beside the model: cross-validation. Its own ranges are found."""
@@ -179,10 +201,11 @@ class Fit:
 
         return candidates(self, columns, markers)
 
-    def _run(self, which: int | str) -> tuple[Run, int]:
+    def place_of(self, which: int | str) -> int:
+        """The place of a recording. Raises RequestError for one that is not there."""
         for place, run in enumerate(self.setting.runs):
             if which in (place, run.name):
-                return run, place
+                return place
         known = ", ".join(run.name for run in self.setting.runs)
         raise RequestError(f"no recording is named {which!r}; there are {known}")
 

@@ -75,11 +75,20 @@ class Sight:
         camera = self.recording.camera
         if camera is None or all(told.axis is None for told in self.told):
             return None
-        turn = np.array(
-            [numbers.get(f"{camera.name}.{name}", 0.0) for name in ("rotation_x", "rotation_y", "rotation_z")]
-        )
-        origin = np.array([numbers[f"{camera.name}.origin_{a}"] for a in _FRAME[: len(camera.axes)]])
-        return _Seen(camera.name, camera.basis, numbers[f"{camera.name}.scale"], turn, origin)
+        return _Seen(camera.name, camera.basis, *_numbers_of(camera, numbers))
+
+
+def _numbers_of(camera: Camera, numbers: Mapping[str, float]) -> tuple[float, Array, Array]:
+    """Scale, rotation vector (3,) and origin of a camera."""
+    turn = [numbers.get(f"{camera.name}.rotation_{axis}", 0.0) for axis in _FRAME]
+    origin = [numbers[f"{camera.name}.origin_{a}"] for a in _FRAME[: len(camera.axes)]]
+    return numbers[f"{camera.name}.scale"], np.array(turn), np.array(origin)
+
+
+def frame_of(camera: Camera, numbers: Mapping[str, float]) -> tuple[Array, float, Array]:
+    """R A, (3, 3), of a camera with its numbers, its scale and its origin."""
+    scale, turn, origin = _numbers_of(camera, numbers)
+    return rotation_of(turn) @ camera.basis, scale, origin
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from lamc.report.planes import Sheet
 from lamc.report.raster import Camera, Canvas, Pixels
 from lamc.report.solid import Lines, Solid, solid_of
 from lamc.report.style import body_colours
+from lamc.run.model import Motion
 from lamc.run.result import Result
 
 _LIGHT = np.array([-0.35, 0.55, 0.76])  # towards the light: right, up, towards the viewer
@@ -49,11 +50,16 @@ class Poses:
 
 def poses_at(result: Result, times: Array) -> Poses:
     """Poses at the given times, s, by linear interpolation of the coordinates."""
-    bodies, moving = result.mechanism.bodies, result.motion.model.bodies
     rows = np.zeros((len(times), result.motion.model.state_size))
     for k, values in enumerate(result.q.T):
         rows[:, k] = np.interp(times, result.t, values)
-    found = result.motion.poses(times, rows)
+    return poses_of(result.mechanism, result.motion, times, rows)
+
+
+def poses_of(mechanism: Mechanism, motion: Motion, times: Array, rows: Array) -> Poses:
+    """Poses of states (k, n) at times (k,), s."""
+    bodies, moving = mechanism.bodies, motion.model.bodies
+    found = motion.poses(times, np.ascontiguousarray(rows))
     centres = np.tile(np.array([b.com for b in bodies]), (len(times), 1, 1))
     rotations = np.tile(np.eye(3), (len(times), len(bodies), 1, 1))
     for index, body in enumerate(bodies):
@@ -80,7 +86,8 @@ def stage_of(
 class Stage:
     """A mechanism's shape, its poses, and one camera for all of them. `draw` gives the picture of an instant.
 
-    camera: azimuth and elevation, degrees; None: where the motion spreads widest"""
+    camera: azimuth and elevation, degrees; None: where the motion spreads widest
+    beside: (k, 3), m, world: what else the picture must hold"""
 
     def __init__(
         self,
@@ -91,8 +98,10 @@ class Stage:
         *,
         oversampling: int = 2,
         camera: tuple[float, float] | None = None,
+        beside: Array | None = None,
     ) -> None:
         self.poses = poses
+        self._beside = np.zeros((0, 3)) if beside is None else beside
         self.solid: Solid = solid_of(mechanism)
         self._drawn = np.array([b.com for b in mechanism.bodies])
         self._oversampling = oversampling
@@ -127,7 +136,7 @@ class Stage:
         lines = (self.solid.sticks, self.solid.hinges)
         parts = [self.poses.place(instant, self._vertices, self._owner, self._drawn)]
         parts += [self._place(instant, each).reshape(-1, 3) for each in lines]
-        return np.concatenate([*parts, self.poses.centres[instant]])
+        return np.concatenate([*parts, self.poses.centres[instant], self._beside])
 
     def _ground(self) -> Array:
         """Corners of the planes that the picture must hold, (n, 3), m."""

@@ -1,8 +1,8 @@
 """Runs and their derivatives: states at given times, and how each follows from parameters and from the start.
 
-In: a motion, a start, directions in which it may move, names of parameters. Out: `Flight`s. This is the only place
-that knows how derivatives are had: here by differences of runs, of fourth order where they are to be trusted and of
-second while a solver walks. Never: knows what is measured.
+In: a motion, a start, directions in which it may move, names of parameters, drawings beside. Out: `Flight`s. This is
+the only place that knows how derivatives are had: here by differences of runs, of fourth order where they are to be
+trusted and of second while a solver walks. Never: knows what is measured.
 """
 
 from collections.abc import Mapping, Sequence
@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from lamc.fitting.drawn import Drawn
 from lamc.records.series import Series
 from lamc.run import integrators
 from lamc.run.model import Motion
@@ -31,6 +32,7 @@ class Task:
     y0          (n,), state at time t_start, s
     times       (m,), s, ascending, none before t_start
     sizes       by parameter: of the change of it that counts as one
+    drawn       by dimension of the drawing: the drawings beside
     which       recording it is of
     loosely     whether it need be no better than what a solver walks by
     directions  (n, r): how the start follows from r numbers, of which a change of one is of the size of `reaches` (r,)
@@ -42,16 +44,22 @@ class Task:
     t_start: float
     times: Array
     sizes: Mapping[str, float] = field(default_factory=dict)
+    drawn: Mapping[str, Drawn] = field(default_factory=dict)
     directions: Array = field(default_factory=lambda: np.zeros((0, 0)))
     reaches: Array = field(default_factory=lambda: np.zeros(0))
     which: int = 0
     loosely: bool = False
 
+    @property
+    def numbers(self) -> int:
+        """Of parameters and dimensions."""
+        return len(self.sizes) + len(self.drawn)
+
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """States of a run. rows: (m, n); NaN where it did not come; slopes: (m, n, p + r), by parameters, then directions;
-    (m, n, 0) where nobody asked. message: why it ended early, else empty."""
+    """States of a run. rows: (m, n); NaN where it did not come; slopes: (m, n, p + d + r), by parameters, then
+    dimensions, then directions; (m, n, 0) where nobody asked. message: why it ended early, else empty."""
 
     motion: Motion
     rows: Array
@@ -125,14 +133,15 @@ class Differences:
         middle = self.flight(task)
         if middle.message:
             return middle
-        names = list(task.sizes)
-        slopes = np.full((*middle.rows.shape, len(names) + task.directions.shape[1]), np.nan)
-        for k, name in enumerate(names):
+        slopes = np.full((*middle.rows.shape, task.numbers + task.directions.shape[1]), np.nan)
+        for k, name in enumerate(task.sizes):
             slopes[:, :, k] = self._by_parameter(task, name, fine=fine)
-        for k, (direction, reach) in enumerate(zip(task.directions.T, task.reaches, strict=True)):
-            slopes[:, :, len(names) + k] = self._by_start(
-                task, middle.motion, direction, float(reach), fine=fine
-            )
+        for k, drawn in enumerate(task.drawn.values(), len(task.sizes)):
+            slopes[:, :, k] = self._by_dimension(task, drawn)
+        for k, (direction, reach) in enumerate(
+            zip(task.directions.T, task.reaches, strict=True), task.numbers
+        ):
+            slopes[:, :, k] = self._by_start(task, middle.motion, direction, float(reach), fine=fine)
         return Flight(
             middle.motion, middle.rows, slopes, "" if np.isfinite(slopes).all() else "a run beside fails"
         )
@@ -147,6 +156,12 @@ class Differences:
             return self._run(task, model.motion({**task.parameters, name: value}), task.y0)[0]
 
         return difference(rows, at, task.sizes[name], least=0.0 if at >= 0.0 else -np.inf, fine=fine)
+
+    def _by_dimension(self, task: Task, drawn: Drawn) -> Array:
+        motions = [each.model.motion(task.parameters) for each in drawn.simulators]
+        rows = [self._run(task, each, y0)[0] for each, y0 in zip(motions, drawn.starts, strict=True)]
+        found: Array = np.einsum("k,kmn->mn", drawn.weights, np.stack(rows))
+        return found
 
     def _by_start(self, task: Task, motion: Motion, direction: Array, reach: float, *, fine: bool) -> Array:
         def rows(step: float) -> Array:
@@ -184,12 +199,17 @@ class Differences:
 def difference(function: "Rows", at: float, size: float, *, least: float = -np.inf, fine: bool) -> Array:
     """The derivative of rows by a number: of fourth order if fine, else of second, central where `least` leaves room,
     else forward of the same order."""
+    weights, offsets = stencil(at, size, least=least, fine=fine)
+    return np.asarray(sum(w * function(at + h) for w, h in zip(weights, offsets, strict=True)))
+
+
+def stencil(at: float, size: float, *, least: float = -np.inf, fine: bool) -> tuple[Array, Array]:
+    """Weights and offsets (k,) of such differences."""
     step = (_FAR if fine else _NEAR) * size
     offsets = step * (np.array([-2.0, -1.0, 1.0, 2.0]) if fine else np.array([-1.0, 1.0]))
     if at + offsets[0] <= least:  # its own value would do, but a size of zero may make another model of it
         offsets = step * (np.arange(1.0, 6.0) if fine else np.arange(1.0, 4.0))
-    weights = weights_of(offsets)
-    return np.asarray(sum(w * function(at + h) for w, h in zip(weights, offsets, strict=True)))
+    return weights_of(offsets), offsets
 
 
 def weights_of(offsets: Array) -> Array:

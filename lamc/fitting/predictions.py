@@ -1,8 +1,8 @@
 """What a model says of a recording, and how it follows from the unknowns.
 
 In: a run of a setting, values of the unknowns. Out: a `Prediction`: values (m, k) and derivatives (m, k, p). States
-come from `flights`; from there to the sensors it is the chain rule. Dimensions of the drawing are differenced as a
-whole, as another drawing has other bodies, masses and points.
+come from `flights`; from there to the sensors it is the chain rule, by dimensions of the drawing too: another drawing
+has other bodies, masses and points.
 """
 
 from collections.abc import Mapping
@@ -10,10 +10,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from lamc.fitting.flights import Flight, Runs, Task, difference
+from lamc.fitting.drawn import Drawn
+from lamc.fitting.flights import Flight, Runs, Task, stencil
+from lamc.fitting.recorded import Run
 from lamc.fitting.setting import Setting
 from lamc.fitting.signals import Signals, signal_of
 from lamc.fitting.simulators import start_of
+from lamc.fitting.unknowns import Unknown
 from lamc.run.model import Motion
 from lamc.run.request import Array
 from lamc.run.simulator import Simulator
@@ -38,13 +41,15 @@ class Predictor:
 
     def __init__(self, setting: Setting, runs: Runs) -> None:
         self.setting, self.runs = setting, runs
-        self._signals: dict[tuple[int, int], tuple[Simulator, Signals]] = {}
+        self._signals: dict[int, Signals] = {}  # of the drawing as it stands
+        self._draws = any(u.kind == "dimension" for u in setting.unknowns.all)
         self._known: dict[int, list[tuple[tuple[bytes, bool, bool], Prediction]]] = {}
 
     @property
     def at_once(self) -> bool:
-        """Whether values and derivatives come of one run."""
-        return self.runs.at_once and all(u.kind != "dimension" for u in self.setting.unknowns.all)
+        """Whether values and derivatives come at once. By dimensions they do not: each takes drawings of its own, which
+        cost more than most runs."""
+        return self.runs.at_once and not self._draws
 
     def numbers(self, values: Array) -> dict[str, float]:
         """Values (p,) of the unknowns by name."""
@@ -89,9 +94,7 @@ class Predictor:
             elif each.name in by_number:
                 slopes[:, :, place] = by_number[each.name]
             elif each.kind == "dimension":
-                slopes[:, :, place] = self._by_dimension(
-                    which, at, each.name, each.size, by_signal, fine=fine
-                )
+                slopes[:, :, place] += self._by_drawing(which, task, flight, each.name, by_signal)
         return Prediction(told, slopes, beside=by_flight[:, :, len(moved) :])
 
     def seen(self, which: int, at: Mapping[str, float]) -> tuple[Array, Flight]:
@@ -100,30 +103,27 @@ class Predictor:
         return found, flight
 
     def signals(self, which: int, simulator: Simulator) -> Signals:
-        key = (which, id(simulator))
-        if key not in self._signals:
-            run = self.setting.runs[which]
-            markers = run.recording.markers
-            found = Signals(
-                tuple(signal_of(simulator, name, markers, run.name) for name in run.sight.signals)
-            )
-            self._signals[key] = simulator, found
-        return self._signals[key][1]
+        """What the columns of a recording see of a model."""
+        run, usual = self.setting.runs[which], self.setting.simulators.usual
+        if simulator is usual and which in self._signals:
+            return self._signals[which]
+        markers = run.recording.markers
+        found = Signals(tuple(signal_of(simulator, name, markers, run.name) for name in run.sight.signals))
+        if simulator is usual:
+            self._signals[which] = found
+        return found
 
-    def task(self, which: int, at: Mapping[str, float], *, sloped: bool) -> Task:
-        """The run of a recording, at numbers of the unknowns."""
+    def task(self, which: int, at: Mapping[str, float], *, sloped: bool, fine: bool = False) -> Task:
+        """The run of a recording, at numbers of the unknowns. fine: dimensions by four drawings beside, not by two."""
         setting, run = self.setting, self.setting.runs[which]
         unknowns = setting.unknowns.all
-        simulator = setting.simulators.of({u.name: at[u.name] for u in unknowns if u.kind == "dimension"})
+        simulator = self._simulator(at)
         parameters = {
             **setting.parameters,
             **{u.key: at[u.name] for u in unknowns if u.kind == "parameter"},
             **run.parameters,
         }
-        angles, rates = dict(run.angles), dict(run.rates)
-        for u in unknowns:
-            if u.owner == run.name and u.kind in ("angle", "rate"):
-                (angles if u.kind == "angle" else rates)[u.key] = at[u.name]
+        angles, rates = self._start(run, at)
         y0 = start_of(simulator, angles, rates)
         times = run.times - at.get(f"{run.name}.delay", run.numbers[f"{run.name}.delay"])
         times = np.maximum(times, run.begin)
@@ -134,17 +134,43 @@ class Predictor:
             for u in unknowns
             if u.kind == "parameter"
         }
+        drawn = {u.name: self._drawn(run, at, u, fine=fine) for u in unknowns if u.kind == "dimension"}
         moving = [u for u in unknowns if u.owner == run.name and u.kind in ("angle", "rate")]
         directions = [_direction(simulator, angles, rates, u.kind, u.key, y0) for u in moving]
         shaped = np.stack(directions, axis=1) if directions else np.zeros((len(y0), 0))
-        return Task(simulator, parameters, y0, run.begin, times, sizes, shaped, np.ones(len(moving)), which)
+        reaches = np.ones(len(moving))
+        return Task(simulator, parameters, y0, run.begin, times, sizes, drawn, shaped, reaches, which)
 
     def movers(self, which: int) -> dict[int, int]:
         """Places of unknowns that move the state → columns of a flight's slopes."""
         unknowns, name = self.setting.unknowns.all, self.setting.runs[which].name
         parameters = [k for k, u in enumerate(unknowns) if u.kind == "parameter"]
+        dimensions = [k for k, u in enumerate(unknowns) if u.kind == "dimension"]
         starts = [k for k, u in enumerate(unknowns) if u.owner == name and u.kind in ("angle", "rate")]
-        return {place: column for column, place in enumerate([*parameters, *starts])}
+        return {place: column for column, place in enumerate([*parameters, *dimensions, *starts])}
+
+    def _simulator(self, at: Mapping[str, float]) -> Simulator:
+        """Of the drawing with these dimensions."""
+        setting = self.setting
+        return setting.simulators.of(
+            {u.name: at[u.name] for u in setting.unknowns.all if u.kind == "dimension"}
+        )
+
+    def _start(self, run: Run, at: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+        """Angles and rates of a recording's start, over the scene's."""
+        angles, rates = dict(run.angles), dict(run.rates)
+        for u in self.setting.unknowns.all:
+            if u.owner == run.name and u.kind in ("angle", "rate"):
+                (angles if u.kind == "angle" else rates)[u.key] = at[u.name]
+        return angles, rates
+
+    def _drawn(self, run: Run, at: Mapping[str, float], each: Unknown, *, fine: bool) -> Drawn:
+        """The drawings beside one, by a dimension."""
+        value = at[each.name]
+        weights, offsets = stencil(value, abs(value) or each.size, fine=fine)
+        simulators = tuple(self._simulator({**at, each.name: value + offset}) for offset in offsets)
+        starts = [start_of(simulator, *self._start(run, at)) for simulator in simulators]
+        return Drawn(weights, simulators, np.stack(starts))
 
     def _seen(
         self,
@@ -156,7 +182,7 @@ class Predictor:
         loosely: bool = False,
     ) -> tuple[Array, Flight, Task, Simulator]:
         """Signals (m, K), the flight, its task and simulator."""
-        task = replace(self.task(which, at, sloped=sloped), loosely=loosely)
+        task = replace(self.task(which, at, sloped=sloped, fine=fine), loosely=loosely)
         flight = self.runs.sensitive(task, fine=fine) if sloped else self.runs.flight(task)
         if flight.message:
             return np.zeros((0, 0)), flight, task, task.simulator
@@ -167,15 +193,16 @@ class Predictor:
             task.simulator,
         )
 
-    def _by_dimension(
-        self, which: int, at: Mapping[str, float], name: str, size: float, by_signal: Array, *, fine: bool
-    ) -> Array:
-        def seen(value: float) -> Array:
-            found, flight, _, _ = self._seen(which, {**at, name: value}, sloped=False)
-            return found if not flight.message else np.full(by_signal.shape[::2], np.nan)
-
-        slopes = difference(seen, at[name], abs(at[name]) or size, fine=fine)
-        return np.asarray(np.einsum("mkj,mj->mk", by_signal, slopes))
+    def _by_drawing(self, which: int, task: Task, flight: Flight, name: str, by_signal: Array) -> Array:
+        """How columns (m, k) follow from a dimension while the state stands: points are those of another drawing."""
+        found = np.zeros(by_signal.shape[::2])
+        drawn = task.drawn[name]
+        for weight, simulator in zip(drawn.weights, drawn.simulators, strict=True):
+            signals = self.signals(which, simulator)
+            if signals.has_points:
+                motion = simulator.model.motion(task.parameters)
+                found += weight * signals.values(motion, task.times, flight.rows)
+        return np.asarray(np.einsum("mkj,mj->mk", by_signal, found))
 
 
 def _direction(

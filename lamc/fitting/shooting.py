@@ -75,13 +75,14 @@ class Pieces:
 
     def _flown(self, task: Task, *, sloped: bool, fine: bool) -> Flight:
         edges, n = self.edges[task.which], len(task.y0)
-        own = len(task.sizes) + task.directions.shape[1]
+        own = task.numbers + task.directions.shape[1]
         width = 0 if not sloped else own + (0 if self.condensed else self.width)
         rows, slopes = np.full((len(task.times), n), np.nan), np.zeros((len(task.times), n, width))
         self.end_slopes[task.which] = np.zeros((len(edges), n, width))
         carried = np.zeros((n, own))  # how the start of a piece follows from the task's columns, condensed
         if sloped:
-            carried[:, len(task.sizes) :] = task.directions
+            starts = [each.start[:, None] for each in task.drawn.values()]
+            carried = np.hstack([np.zeros((n, len(task.sizes))), *starts, task.directions])
         motion = None
         for k in range(len(edges) + 1):
             begin = task.t_start if k == 0 else float(edges[k - 1])
@@ -112,11 +113,14 @@ class Pieces:
             return replace(task, times=times)
         n = len(task.y0)
         y0 = task.y0 if k == 0 else self.states[task.which][k - 1]
-        return replace(task, y0=y0, t_start=begin, times=times, directions=np.eye(n), reaches=np.ones(n))
+        drawn = {name: each.begun_at(y0) for name, each in task.drawn.items()}
+        return replace(
+            task, y0=y0, t_start=begin, times=times, drawn=drawn, directions=np.eye(n), reaches=np.ones(n)
+        )
 
     def _by(self, task: Task, k: int, found: Flight, carried: Array, width: int) -> Array:
         """Slopes (m, n, width) of a piece."""
-        p, n = len(task.sizes), len(task.y0)
+        p, n = task.numbers, len(task.y0)
         by = np.zeros((*found.rows.shape, width))
         if self.condensed:
             by += np.einsum("mns,se->mne", found.slopes[:, :, p:], carried)
@@ -157,7 +161,7 @@ class _Penalised:
 
     @property
     def at_once(self) -> bool:
-        return self.pieces.at_once
+        return self.objective.predictor.at_once
 
     def cost(self, z: Array) -> float:
         inner = self.split(z)

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from lamc.basics.readonly import ReadOnlyDict
+from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.options import CompileOptions
 from lamc.design.split import split
 from lamc.pipeline import compile as compile_design
@@ -30,7 +31,9 @@ class Simulators:
     def __init__(self, design: Studied, scene: SceneGiven, options: CompileOptions | None = None) -> None:
         self.design, self._scene, self._options = design, scene, options
         self._made: dict[tuple[tuple[str, float], ...], Simulator] = {}
+        self._cache = Cache(cache_root())
         self.usual = self.of({})
+        self._cache = Cache(cache_root(), passing=True)  # which keeps nothing of drawings that come once
 
     def of(self, dimensions: Mapping[str, float]) -> Simulator:
         """Raises DesignError for dimensions that no design has."""
@@ -51,7 +54,7 @@ class Simulators:
         if callable(scene):
             design = split(design) if isinstance(design, Design) else design
             scene = scene(design)
-        return compile_design(design, scene, self._options)
+        return compile_design(design, scene, self._options, cache=self._cache)
 
 
 def start_of(simulator: Simulator, angles: Mapping[str, float], rates: Mapping[str, float]) -> Array:

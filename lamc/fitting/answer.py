@@ -5,7 +5,7 @@ recording's own numbers.
 """
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -229,7 +229,21 @@ def compared_of(predictor: Predictor, solved: Solved) -> tuple[Compared, ...]:
 
 def remarks(compared: tuple[Compared, ...]) -> list[str]:
     """Where residuals are no noise."""
-    found = []
+    return [
+        f"{each.name}: what is left of {column} is alike from row to row (correlation {first:.2f}): the model "
+        "misses something, and the intervals are too narrow"
+        for each, column, first, rows in _neighbours(compared)
+        if first > _CORRELATED + 2.0 / np.sqrt(rows)
+    ]
+
+
+def alike(compared: tuple[Compared, ...]) -> float:
+    """The largest correlation of neighbouring residuals of a column."""
+    return max((first for _, _, first, _ in _neighbours(compared)), default=0.0)
+
+
+def _neighbours(compared: tuple[Compared, ...]) -> Iterator[tuple[Compared, str, float, int]]:
+    """Recordings and columns with the correlation of neighbouring residuals, and how many there are."""
     for each in compared:
         for k, column in enumerate(each.columns):
             r = each.residuals[:, k]
@@ -237,11 +251,4 @@ def remarks(compared: tuple[Compared, ...]) -> list[str]:
             if len(r) < 20 or not r.std() > 0.0:
                 continue
             r = r - r.mean()
-            first = float(np.sum(r[1:] * r[:-1]) / np.sum(r * r))
-            if first > _CORRELATED + 2.0 / np.sqrt(len(r)):
-                found.append(
-                    f"{each.name}: what is left of {column} is alike from row to row (correlation "
-                    f"{first:.2f}): the model "
-                    "misses something, and the intervals are too narrow"
-                )
-    return found
+            yield each, column, float(np.sum(r[1:] * r[:-1]) / np.sum(r * r)), len(r)

@@ -38,10 +38,6 @@ class Drawn:
         found: Array = self.weights @ self.starts
         return found
 
-    def begun_at(self, y0: Array) -> "Drawn":
-        """The same, of runs that start at y0 (n,) whatever the dimension is."""
-        return Drawn(self.weights, self.simulators, np.tile(y0, (len(self.weights), 1)))
-
 
 def moving(
     simulator: Simulator,

@@ -13,7 +13,7 @@ from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError
 from lamc.basics.places import located_at
 from lamc.codegen.options import CompileOptions
-from lamc.fitting.answer import Fit, compared_of, remarks
+from lamc.fitting.answer import Fit, alike, compared_of, remarks
 from lamc.fitting.cameras import camera_starts
 from lamc.fitting.exact import Exact
 from lamc.fitting.losses import LOSSES
@@ -37,6 +37,7 @@ from lamc.studies.making import named_scene
 from lamc.studies.targets import Made, Studied, family_of
 
 FORGETS = 100.0  # times as large as at the start: a change of it
+_LOST = 0.9  # of neighbouring residuals, correlated: a run that left the recording somewhere, whatever it leaves in all
 _POOR = 0.5  # share of the data's variance: a model that does not describe them
 
 
@@ -110,7 +111,8 @@ def _as_asked(objective: Objective, loss: str, starts: int, seed: int) -> tuple[
     predictor = objective.predictor
     unknowns = predictor.setting.unknowns
     solved = solve(objective, loss, 1, seed)
-    if is_poor(solved) and loss == "linear" and max(growth(predictor, solved.inner)) > FORGETS:
+    misses = is_poor(solved) or alike(compared_of(predictor, solved)) > _LOST
+    if misses and loss == "linear" and max(growth(predictor, solved.inner)) > FORGETS:
         try:
             found, _ = shoot(Objective(predictor, objective.sigmas), unknowns.within(unknowns.start), None)
         except RequestError:  # of a model whose states are not free

@@ -10,11 +10,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lamc.basics.errors import LamcError, RequestError
+from lamc.basics.errors import DesignError, LamcError, RequestError
 from lamc.fitting.begins import angle_and_rate
-from lamc.fitting.flights import Flight, Runs, Task
+from lamc.fitting.charts import Chart
+from lamc.fitting.flights import Task
 from lamc.fitting.objective import NOTHING, Objective
+from lamc.fitting.pieces import Pieces
 from lamc.fitting.predictions import Prediction, Predictor
+from lamc.fitting.recorded import Run
 from lamc.fitting.solve import Solved, box_of
 from lamc.fitting.trust import Box, Local, local_of, minimise
 from lamc.run.request import Array
@@ -26,120 +29,9 @@ _CLOSED = 1e-4  # of the size of a state: gaps that are told
 _GAIN, _CHANGE = 1e-8, 1e-10  # of the cost and of sizes, as in `solve`
 
 
-class Pieces:
-    """Runs in pieces. edges: by recording, (s,) s, where pieces begin behind the first; states: (s, n) there.
-
-    condensed: whether slopes are those of one run through all pieces; else columns behind those of a task are by the
-    states of pieces, in the order of recordings and pieces.
-    """
-
-    forgets = False  # where pieces begin is no part of a task
-
-    def __init__(self, runs: Runs, edges: list[Array], states: list[Array]) -> None:
-        self._runs, self.edges, self.states = runs, edges, states
-        self.condensed = False
-        self.ends: list[Array] = [np.zeros_like(each) for each in states]  # where the piece before each ends
-        self.end_slopes: list[Array] = [np.zeros((0, 0, 0)) for _ in states]
-
-    @property
-    def count(self) -> int:
-        """Runs of pieces, told as of whole ones."""
-        return self._runs.count // max(1, max(len(each) for each in self.edges) + 1)
-
-    @property
-    def told(self) -> str:
-        return self._runs.told
-
-    @property
-    def known_to(self) -> float:
-        return self._runs.known_to
-
-    @property
-    def notes(self) -> list[str]:
-        return self._runs.notes
-
-    @property
-    def at_once(self) -> bool:
-        return self._runs.at_once
-
-    @property
-    def width(self) -> int:
-        """Columns by states of pieces."""
-        return sum(each.size for each in self.states)
-
-    def flight(self, task: Task) -> Flight:
-        return self._flown(task, sloped=False, fine=False)
-
-    def sensitive(self, task: Task, *, fine: bool) -> Flight:
-        return self._flown(task, sloped=True, fine=fine)
-
-    def _flown(self, task: Task, *, sloped: bool, fine: bool) -> Flight:
-        edges, n = self.edges[task.which], len(task.y0)
-        own = task.numbers + task.directions.shape[1]
-        width = 0 if not sloped else own + (0 if self.condensed else self.width)
-        rows, slopes = np.full((len(task.times), n), np.nan), np.zeros((len(task.times), n, width))
-        self.end_slopes[task.which] = np.zeros((len(edges), n, width))
-        carried = np.zeros((n, own))  # how the start of a piece follows from the task's columns, condensed
-        if sloped:
-            starts = [each.start[:, None] for each in task.drawn.values()]
-            carried = np.hstack([np.zeros((n, len(task.sizes))), *starts, task.directions])
-        motion = None
-        for k in range(len(edges) + 1):
-            begin = task.t_start if k == 0 else float(edges[k - 1])
-            until = float(edges[k]) if k < len(edges) else np.inf
-            mine = (task.times >= begin) & (task.times < until) if k else task.times < until
-            times = np.unique(np.append(task.times[mine], until if k < len(edges) else []))
-            if not len(times):
-                continue
-            part = self._part(task, k, begin, times)
-            found = self._runs.sensitive(part, fine=fine) if sloped else self._runs.flight(part)
-            motion = found.motion
-            if found.message:
-                return Flight(motion, rows, np.zeros((*rows.shape, 0)), found.message)
-            at = np.searchsorted(times, task.times[mine])
-            rows[mine] = found.rows[at]
-            by = self._by(task, k, found, carried, width) if sloped else np.zeros((len(times), n, 0))
-            slopes[mine] = by[at]
-            if k < len(edges):
-                self.ends[task.which][k] = found.rows[-1]
-                self.end_slopes[task.which][k] = by[-1]
-                carried = by[-1] if sloped and self.condensed else carried
-        assert motion is not None
-        return Flight(motion, rows, slopes)
-
-    def _part(self, task: Task, k: int, begin: float, times: Array) -> Task:
-        """The task of one piece."""
-        if k == 0 and not self.condensed:
-            return replace(task, times=times)
-        n = len(task.y0)
-        y0 = task.y0 if k == 0 else self.states[task.which][k - 1]
-        drawn = {name: each.begun_at(y0) for name, each in task.drawn.items()}
-        return replace(
-            task, y0=y0, t_start=begin, times=times, drawn=drawn, directions=np.eye(n), reaches=np.ones(n)
-        )
-
-    def _by(self, task: Task, k: int, found: Flight, carried: Array, width: int) -> Array:
-        """Slopes (m, n, width) of a piece."""
-        p, n = task.numbers, len(task.y0)
-        by = np.zeros((*found.rows.shape, width))
-        if self.condensed:
-            by += np.einsum("mns,se->mne", found.slopes[:, :, p:], carried)
-            by[:, :, :p] += found.slopes[:, :, :p]
-            return by
-        if k == 0:
-            by[:, :, : found.slopes.shape[2]] = found.slopes
-            return by
-        first = (
-            p + task.directions.shape[1] + sum(each.size for each in self.states[: task.which]) + (k - 1) * n
-        )
-        by[:, :, :p] = found.slopes[:, :, :p]
-        by[:, :, first : first + n] = found.slopes[:, :, p:]
-        return by
-
-
 @dataclass(eq=False)
 class _Penalised:
-    """Residuals and their Jacobian by (inner, states of all pieces)."""
+    """Residuals and their Jacobian by (inner, numbers of all pieces)."""
 
     objective: Objective
     pieces: Pieces
@@ -147,11 +39,11 @@ class _Penalised:
     gap: float = 1.0
 
     def split(self, z: Array) -> Array:
-        """Hands the states to the pieces; the solver's vector of the numbers."""
+        """Hands their numbers to the pieces; the solver's vector of the fit's own."""
         p = len(z) - self.pieces.width
         at = p
-        for k, each in enumerate(self.pieces.states):
-            self.pieces.states[k] = z[at : at + each.size].reshape(each.shape)
+        for k, each in enumerate(self.pieces.numbers):
+            self.pieces.numbers[k] = z[at : at + each.size].reshape(each.shape)
             at += each.size
         return z[:p]
 
@@ -178,9 +70,10 @@ class _Penalised:
 
     def gaps(self) -> list[Array]:
         """By recording, (s, n): where pieces end less where the next begin, by the size of a state."""
+        pieces = self.pieces
         return [
-            (end - state) / size
-            for end, state, size in zip(self.pieces.ends, self.pieces.states, self.sizes, strict=True)
+            (end - begin) / size
+            for end, begin, size in zip(pieces.ends, pieces.begins, self.sizes, strict=True)
         ]
 
     def _residual(self, inner: Array, found: list[Prediction]) -> Array:
@@ -189,24 +82,17 @@ class _Penalised:
 
     def _jacobian(self, inner: Array, found: list[Prediction]) -> Array:
         by_number, by_state = self.objective.jacobians(inner, found)
-        width = len(inner) + self.pieces.width
         unknowns = self.objective.predictor.setting.unknowns
         rates = unknowns.rates(inner)
-        rows = []
-        first = 0
-        for which, (states, size) in enumerate(zip(self.pieces.states, self.sizes, strict=True)):
+        rows = [np.hstack([by_number, by_state])]
+        for which, (slopes, size) in enumerate(zip(self.pieces.gap_slopes, self.sizes, strict=True)):
             movers = self.objective.predictor.movers(which)
-            slopes = self.pieces.end_slopes[which]
-            for k in range(len(states)):
-                row = np.zeros((states.shape[1], width))
-                for place, column in movers.items():
-                    row[:, place] = slopes[k][:, column] * rates[place]
-                row[:, len(inner) :] = slopes[k][:, len(movers) :]
-                at = len(inner) + first + k * states.shape[1]
-                row[:, at : at + states.shape[1]] -= np.eye(states.shape[1])
-                rows.append(row / (self.gap * size)[:, None])
-            first += states.size
-        return np.concatenate([np.hstack([by_number, by_state]), *rows])
+            row = np.zeros((*slopes.shape[:2], len(inner) + self.pieces.width))
+            for place, column in movers.items():
+                row[:, :, place] = slopes[:, :, column] * rates[place]
+            row[:, :, len(inner) :] = slopes[:, :, len(movers) :]
+            rows.append((row / (self.gap * size)[:, None]).reshape(-1, row.shape[2]))
+        return np.concatenate(rows)
 
 
 def shoot(
@@ -219,16 +105,18 @@ def shoot(
     predictor = objective.predictor
     pieces = _cut(predictor, begin, count)
     parted = Objective(Predictor(predictor.setting, pieces), objective.sigmas)
-    sizes = [_size_of(each) for each in pieces.states]
+    sizes = [_size_of(each) for each in pieces.begins]
     problem = _Penalised(parted, pieces, sizes)
     numbers, wide = box_of(predictor.setting.unknowns), np.full(pieces.width, np.inf)
-    by_state = [np.tile(size, len(each)) for size, each in zip(sizes, pieces.states, strict=True)]
+    by_state = [
+        size[chart.places] for size, charts in zip(sizes, pieces.charts, strict=True) for chart in charts
+    ]
     box = Box(
         np.append(numbers.low, -wide),
         np.append(numbers.high, wide),
         np.concatenate([numbers.sizes, *by_state]),
     )
-    z = np.concatenate([begin, *(each.ravel() for each in pieces.states)])
+    z = np.concatenate([begin, *(each.ravel() for each in pieces.numbers)])
     steps, message, ended = 0, "steps and gains vanish", False
     for gap in _GAPS:
         problem.gap = gap
@@ -263,10 +151,13 @@ def growth(predictor: Predictor, begin: Array) -> list[float]:
     found = []
     for which in range(len(predictor.setting.runs)):
         task = predictor.task(which, at, sloped=False)
-        n = len(task.y0)
-        flight = predictor.runs.sensitive(replace(task, directions=np.eye(n), reaches=np.ones(n)), fine=False)
+        motion = task.simulator.model.motion(task.parameters)
+        chart = Chart.around(motion, task.y0)
+        basis = chart.slopes(motion, task.y0)
+        reaches = np.ones(basis.shape[1])
+        flight = predictor.runs.sensitive(replace(task, directions=basis, reaches=reaches), fine=False)
         sizes = _size_of(flight.rows)
-        scaled = flight.slopes / sizes[:, None] * sizes if not flight.message else np.zeros((1, n, n))
+        scaled = flight.slopes / sizes[:, None] * sizes[chart.places] if not flight.message else np.zeros(1)
         found.append(float(np.max(np.abs(scaled))))
     return found
 
@@ -275,31 +166,58 @@ def _cut(predictor: Predictor, begin: Array, count: int | None) -> Pieces:
     """Where pieces begin, evenly in time, and the states there: as the columns have them, else as the run has them."""
     setting = predictor.setting
     simulator = setting.simulators.usual
-    if simulator.cut_joints or len(simulator.coordinates) > len(simulator.joints):
+    if len(simulator.coordinates) > len(simulator.joints):
         raise RequestError(
-            "multiple shooting takes starts of pieces that are free to choose, and this model has loops, or "
-            "coordinates "
-            "that effects add; fit shorter recordings, each with its own start"
+            "multiple shooting takes starts of pieces that are free to choose, and effects add coordinates to this "
+            "model; fit shorter recordings, each with its own start"
         )
     at = predictor.numbers(setting.unknowns.values(begin))
     grown = growth(predictor, begin) if count is None else []
-    edges, states = [], []
+    edges, charts, numbers = [], [], []
     for which, run in enumerate(setting.runs):
         pieces = count or int(np.clip(np.ceil(np.log(max(grown[which], 1.0)) / np.log(GROWTH)) * 3, 8, MOST))
         task = predictor.task(which, at, sloped=False)
         end = float(task.times[-1])
         inner = np.linspace(task.t_start, end, pieces + 1)[1:-1]
         flight = predictor.runs.flight(replace(task, times=np.append(inner, end)))
-        rows = np.nan_to_num(flight.rows[:-1])
+        rows = flight.rows[:-1] if not flight.message else np.tile(task.y0, (len(inner), 1))
         delay = at.get(f"{run.name}.delay", run.numbers[f"{run.name}.delay"])
-        for k, time in enumerate(inner):
-            for j, joint in enumerate(simulator.joints):
-                for kind, place in (("angle", j), ("rate", len(simulator.coordinates) + j)):
-                    guess = angle_and_rate(run.recording, joint, kind, float(time) + delay)
-                    rows[k, place] = rows[k, place] if guess is None else guess
+        begun = _begun(run, task, rows, inner, delay)
         edges.append(inner)
-        states.append(rows)
-    return Pieces(predictor.runs, edges, states)
+        charts.append(begun)
+        numbers.append(np.array([chart.near[chart.places] for chart in begun]).reshape(len(inner), -1))
+    return Pieces(predictor.runs, edges, charts, numbers)
+
+
+def _begun(run: Run, task: Task, rows: Array, inner: Array, delay: float) -> list[Chart]:
+    """Charts of where pieces begin, at times (s,): as the columns have it, else as rows (s, n) of the run have. What
+    loops make of the others follows from piece to piece, so that all count the same turns and stand on one branch."""
+    simulator, motion = task.simulator, task.simulator.model.motion(task.parameters)
+    nu = len(simulator.coordinates)
+    told = [_told(run, simulator.joints, y, float(t) + delay) for y, t in zip(rows, inner, strict=True)]
+    recorded = [j for j, joint in enumerate(simulator.joints) if joint in run.recording.values]
+    if not simulator.cut_joints:
+        return [Chart(y, tuple(range(nu))) for y in told]
+    found: list[Chart] = []
+    chart = Chart.around(motion, task.y0, recorded)
+    for y, as_run in zip(told, rows, strict=True):
+        try:
+            near = chart.state(motion, y[chart.places])
+        except DesignError:  # of columns that are off by more than the mechanism reaches
+            near = as_run
+        chart = Chart.around(motion, near, recorded)
+        found.append(chart)
+    return found
+
+
+def _told(run: Run, joints: tuple[str, ...], y: Array, time: float) -> Array:
+    """A state (n,), in which what columns tell at a time of their clock is as they have it."""
+    found = y.copy()
+    for j, joint in enumerate(joints):
+        for kind, place in (("angle", j), ("rate", len(y) // 2 + j)):
+            guess = angle_and_rate(run.recording, joint, kind, time)
+            found[place] = found[place] if guess is None else guess
+    return found
 
 
 def _size_of(states: Array) -> Array:

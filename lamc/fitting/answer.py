@@ -5,7 +5,7 @@ recording's own numbers.
 """
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,6 +16,7 @@ from lamc.basics.drawing import drawer
 from lamc.basics.errors import RequestError
 from lamc.basics.once import lazy
 from lamc.basics.readonly import ReadOnlyDict
+from lamc.fitting.neighbours import likeness
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import Setting
 from lamc.fitting.solve import Solved
@@ -229,26 +230,13 @@ def compared_of(predictor: Predictor, solved: Solved) -> tuple[Compared, ...]:
 
 def remarks(compared: tuple[Compared, ...]) -> list[str]:
     """Where residuals are no noise."""
-    return [
-        f"{each.name}: what is left of {column} is alike from row to row (correlation {first:.2f}): the model "
-        "misses something, and the intervals are too narrow"
-        for each, column, first, rows in _neighbours(compared)
-        if first > _CORRELATED + 2.0 / np.sqrt(rows)
-    ]
-
-
-def alike(compared: tuple[Compared, ...]) -> float:
-    """The largest correlation of neighbouring residuals of a column."""
-    return max((first for _, _, first, _ in _neighbours(compared)), default=0.0)
-
-
-def _neighbours(compared: tuple[Compared, ...]) -> Iterator[tuple[Compared, str, float, int]]:
-    """Recordings and columns with the correlation of neighbouring residuals, and how many there are."""
+    found = []
     for each in compared:
         for k, column in enumerate(each.columns):
-            r = each.residuals[:, k]
-            r = r[np.isfinite(r)]
-            if len(r) < 20 or not r.std() > 0.0:
-                continue
-            r = r - r.mean()
-            yield each, column, float(np.sum(r[1:] * r[:-1]) / np.sum(r * r)), len(r)
+            alike = likeness(each.residuals[:, k])
+            if alike is not None and alike[0] > _CORRELATED + 2.0 / np.sqrt(alike[1]):
+                found.append(
+                    f"{each.name}: what is left of {column} is alike from row to row (correlation {alike[0]:.2f}): "
+                    "the model misses something, and the intervals are too narrow"
+                )
+    return found

@@ -13,7 +13,7 @@ from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError
 from lamc.basics.places import located_at
 from lamc.codegen.options import CompileOptions
-from lamc.fitting.answer import Fit, alike, compared_of, remarks
+from lamc.fitting.answer import Fit, compared_of, remarks
 from lamc.fitting.cameras import camera_starts
 from lamc.fitting.exact import Exact
 from lamc.fitting.losses import LOSSES
@@ -22,7 +22,7 @@ from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import setting_of
 from lamc.fitting.shooting import growth, shoot
 from lamc.fitting.simulators import Simulators
-from lamc.fitting.solve import Solved, elsewhere, is_poor, left_over, solve
+from lamc.fitting.solve import Solved, elsewhere, is_lost, is_poor, left_over, solve
 from lamc.fitting.uncertainty import account_of, correlated
 from lamc.fitting.unknowns import Unknowns, begun_at
 from lamc.records.mechanism import Mechanism
@@ -37,7 +37,6 @@ from lamc.studies.making import named_scene
 from lamc.studies.targets import Made, Studied, family_of
 
 FORGETS = 100.0  # times as large as at the start: a change of it
-_LOST = 0.9  # of neighbouring residuals, correlated: a run that left the recording somewhere, whatever it leaves in all
 _POOR = 0.5  # share of the data's variance: a model that does not describe them
 
 
@@ -111,13 +110,19 @@ def _as_asked(objective: Objective, loss: str, starts: int, seed: int) -> tuple[
     predictor = objective.predictor
     unknowns = predictor.setting.unknowns
     solved = solve(objective, loss, 1, seed)
-    misses = is_poor(solved) or alike(compared_of(predictor, solved)) > _LOST
-    if misses and loss == "linear" and max(growth(predictor, solved.inner)) > FORGETS:
+    if (
+        (is_poor(solved) or is_lost(solved))
+        and loss == "linear"
+        and max(growth(predictor, solved.inner)) > FORGETS
+    ):
         try:
             found, _ = shoot(Objective(predictor, objective.sigmas), unknowns.within(unknowns.start), None)
-        except RequestError:  # of a model whose states are not free
+        except RequestError:  # of a model whose states are not free, or too many rows
             found = solved
-        if left_over(found.objective, found.inner) < left_over(solved.objective, solved.inner):
+        meets = (
+            found.converged or not solved.converged
+        )  # else pieces are near to the data, and not to each other
+        if meets and left_over(found.objective, found.inner) < left_over(solved.objective, solved.inner):
             return found.objective.predictor, found
     return predictor, elsewhere(solved, loss, starts, seed)
 

@@ -11,13 +11,14 @@ import numpy as np
 
 from lamc.basics.checks import did_you_mean
 from lamc.basics.errors import DesignError, Place, RequestError
-from lamc.fitting.signals import signal_of
-from lamc.readers.recordings import PIXELS, Table
-from lamc.records.recording import Array, Camera, Marker, Recording
+from lamc.fitting.signals import Column, Point, signal_of
+from lamc.readers.recordings import PIXELS, Table, factor_of
+from lamc.records.recording import Camera, Marker, Recording
 from lamc.records.series import Series
 from lamc.run.simulator import Simulator
 
 _AXES = ("x", "y", "z")
+_TURN = 2.0 * np.pi
 
 
 @dataclass(frozen=True)
@@ -44,37 +45,42 @@ def recording_of(
     table: Table, name: str, simulator: Simulator, asked: Asked
 ) -> tuple[Recording, tuple[str, ...]]:
     """The recording of a table, and the columns that nothing is made of."""
-    columns: dict[str, Array] = {}
+    sources: dict[str, str] = {}  # columns of the file, by what they are
     markers: dict[str, Marker] = {}
     series: dict[str, Series] = {}
-    used: set[str] = set()
+    followed: set[str] = set()
     for track, what in asked.maps.items():
         if what == "t":
             continue
         if "@" in what:
             markers[track] = Marker.of(what, track)
-            found = _of_track(table, track)
-            columns |= {f"{track}.{axis}": table.columns[column] for axis, column in found.items()}
-            used |= set(found.values())
+            sources |= {f"{track}.{axis}": column for axis, column in _of_track(table, track).items()}
         else:
             if track not in table.columns:
                 raise _unknown(table, track, list(table.columns))
-            used.add(track)
             if what in simulator.model.series:
+                followed.add(track)
                 series[what] = _series(table, track, simulator, what)
             else:
-                columns[what] = table.columns[track]
-    for column, values in table.columns.items():
-        if column not in used and column not in columns and _is_known(simulator, column):
-            columns[column] = values
-            used.add(column)
-    if not columns:
+                sources[what] = track
+    for column in table.columns:
+        taken = column in sources.values() or column in followed or column in sources
+        if not taken and _is_known(simulator, column):
+            sources[column] = column
+    if not sources:
         raise RequestError(
             f"{table.path} has no column that the model knows ({', '.join(list(table.columns)[:8])}); say what "
             "they are: "
             "--map COLUMN=h1, --map MARKER=link_2@(30mm, 0, 0)"
         )
-    _check_pixels(table, used, asked)
+    used = followed | set(sources.values())
+    columns = {what: table.columns[column] for what, column in sources.items()}
+    _check_units(table, sources, markers, simulator, name)
+    _check_pixels(table, set(sources.values()), asked)
+    if asked.frame is not None and not markers:
+        raise RequestError(
+            "--frame is of markers, and no --map says where one sits: --map 'tip=link_2@(30mm, 0, 0)'"
+        )
     camera = None
     if asked.frame is not None and markers:
         axes = asked.frame
@@ -130,10 +136,30 @@ def _of_track(table: Table, track: str) -> dict[str, str]:
     return found
 
 
+def _check_units(
+    table: Table, sources: Mapping[str, str], markers: Mapping[str, Marker], simulator: Simulator, name: str
+) -> None:
+    """Raises DesignError for columns in units of another quantity than they are in the model, and for angles without a
+    unit that can hardly be radians."""
+    for what, column in sources.items():
+        signal = signal_of(simulator, what, markers, name)
+        unit = signal.unit if isinstance(signal, Column) else "m"
+        said, is_hinge = table.units.get(column, ""), what in simulator.joints
+        if said.lower() not in PIXELS or not isinstance(signal, Point):
+            factor_of(said, unit, Place(table.path), f"the column {column!r}, as {what!r} of the model,")
+        most = float(np.nanmax(np.abs(table.columns[column]), initial=0.0))
+        if is_hinge and not said and most > _TURN:
+            raise DesignError(
+                f"the column {column!r} reaches {most:.4g}, and its heading says no unit; are these degrees? write "
+                f"{column} [deg], or {column} [rad] if it turns so far",
+                Place(table.path),
+            )
+
+
 def _unknown(table: Table, name: str, known: list[str]) -> DesignError:
+    hint = did_you_mean(name, known) if known else f"its columns are {', '.join(table.columns)}"[:200]
     return DesignError(
-        f"--map names {name!r}, and the file has no such column or marker; {did_you_mean(name, known)}",
-        Place(table.path),
+        f"--map names {name!r}, and the file has no such column or marker; {hint}", Place(table.path)
     )
 
 

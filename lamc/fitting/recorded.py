@@ -86,6 +86,7 @@ def run_of(
             notes.append(f"{name}: {lost} rows are not compared, as they may lie before the start of the run")
     if not rows.any() or float(t[-1]) - earliest <= begin:
         raise RequestError(f"{name} has no rows within its run, which starts at {begin:g} s of its clock")
+    recording, sight = _told(recording, sight, rows, notes)
     numbers: dict[str, float] = {f"{name}.delay": delay}
     for key, given in sight.numbers.items():
         found = _sensor(key, given, recording, name)
@@ -125,6 +126,31 @@ def run_of(
     return Run(recording, name, sight, rows, begin, angles, rates, followed, numbers), own
 
 
+def _told(recording: Recording, sight: Sight, rows: Rows, notes: list[str]) -> tuple[Recording, Sight]:
+    """The recording without columns that hold nothing, which are noted. Raises RequestError where all are empty."""
+    empty = [c for c in sight.columns if not np.isfinite(recording.values[c][rows]).any()]
+    if not empty:
+        return recording, sight
+    name, what = sight.name, ", ".join(empty)
+    if len(empty) == len(sight.columns):
+        raise RequestError(
+            f"{name} holds no numbers to compare: {what} {_are(empty)} empty in all of its rows"
+        )
+    notes.append(f"{name}: {what} {_are(empty)} empty in all rows, and left out")
+    values = {c: v for c, v in recording.values.items() if c not in empty}
+    kept = replace(
+        recording,
+        values=values,
+        gain={c: g for c, g in recording.gain.items() if c not in empty},
+        bias={c: b for c, b in recording.bias.items() if c not in empty},
+    )
+    return kept, sight_of(kept, name)
+
+
+def _are(names: list[str]) -> str:
+    return "is" if len(names) == 1 else "are"
+
+
 def _check_series(recording: Recording, simulator: Simulator, end: float) -> None:
     """Raises RequestError for series that no input follows, and that end before the recording does, at `end` s."""
     given = with_series({}, recording.series, simulator.model.series, simulator.parameters)
@@ -147,11 +173,13 @@ def _check_clock(recording: Recording, t: Array, latest: float, rows: Rows) -> N
         raise RequestError(
             f"{recording.name} begins at {float(t[0]):g} s of its clock, and the run with its known start at 0 "
             "s; subtract "
-            "the time of the start from t, or estimate it: start='estimated'"
+            "the time of the start from t, or have it found: start='estimated', --start estimated"
         )
     if not rows.any():
+        why = f"as its delay may be up to {latest:g} s: narrow it" if latest > 0.0 else "shift its times"
         raise RequestError(
-            f"{recording.name} ends at {float(t[-1]):g} s, before the run starts at {latest:g} s of its clock"
+            f"{recording.name} ends at {float(t[-1]):g} s, before the run starts at {latest:g} s of its clock; {why}, "
+            "or have the start found: start='estimated', --start estimated"
         )
 
 

@@ -26,6 +26,7 @@ GROWTH = 20.0  # of a start's change within a piece: differences that large are 
 MOST = 100  # pieces
 _GAPS = (1e-1, 1e-2, 1e-4, 1e-6)  # of the size of a state: what counts as one standard deviation of a gap
 _CLOSED = 1e-4  # of the size of a state: gaps that are told
+_MOST_NUMBERS = 5e7  # 400 MB, of which a few copies are held
 _GAIN, _CHANGE = 1e-8, 1e-10  # of the cost and of sizes, as in `solve`
 
 
@@ -104,6 +105,7 @@ def shoot(
     """
     predictor = objective.predictor
     pieces = _cut(predictor, begin, count)
+    _check_size(pieces, [len(run.times) for run in predictor.setting.runs])
     parted = Objective(Predictor(predictor.setting, pieces), objective.sigmas)
     sizes = [_size_of(each) for each in pieces.begins]
     problem = _Penalised(parted, pieces, sizes)
@@ -139,6 +141,16 @@ def shoot(
     through = final.tried(inner, sloped=False)
     cost = np.inf if through is None else _half(final.residual(inner, through))
     return Solved(inner, cost, ended, message, final, tuple(notes), steps), pieces
+
+
+def _check_size(pieces: Pieces, rows: list[int]) -> None:
+    """Raises RequestError for derivatives of rows by pieces that no memory should be asked for."""
+    most = max(count * each.shape[1] for count, each in zip(rows, pieces.begins, strict=True)) * pieces.width
+    if most > _MOST_NUMBERS:
+        raise RequestError(
+            f"{max(rows)} rows in {pieces.width} numbers of pieces have {most:.2g} derivatives, more than "
+            f"{_MOST_NUMBERS:.0g}; leave rows out (every tenth often tells as much), or take fewer segments"
+        )
 
 
 def _half(residual: Array) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lamc.basics.errors import LamcError, RequestError, SimulationError
+from lamc.fitting.neighbours import likeness
 from lamc.fitting.objective import Objective, Weighed, groups_of, told_sigmas
 from lamc.fitting.trust import Box, minimise
 from lamc.fitting.unknowns import Unknowns
@@ -21,6 +22,11 @@ _CHANGE = 1e-9  # of the numbers' sizes, which runs of 1e-10 a step tell, where 
 # The same for a walk by loose runs, a step before its end: the next comes quadratically nearer, tried by exact runs.
 _NEAR_GAIN, _NEAR_CHANGE = 1e-4, 1e-5
 _POOR = 0.1  # share of the data's variance that is left, above which other starts are looked at
+_NOISE, _MOST = (
+    0.3,
+    0.5,
+)  # neighbours less alike than the one are noise, which may be up to the other of the variance
+_LOST = 0.9  # neighbours so much alike
 _FAR_OFF = 3.0  # of logarithms: a factor of twenty either way, from where a fit begins
 _SAME = 1.01  # times the best cost: another way to the same place
 _ROUNDS = 4  # of weights
@@ -62,8 +68,29 @@ def elsewhere(found: Solved, loss: str, starts: int, seed: int, max_steps: int =
 
 
 def is_poor(found: Solved) -> bool:
-    """Whether it did not converge, or leaves much of the data."""
-    return not found.converged or left_over(found.objective, found.inner) > _POOR
+    """Whether it did not converge, or leaves much of the data that is no noise."""
+    if not found.converged:
+        return True
+    share = left_over(found.objective, found.inner)
+    return share > _POOR and (share > _MOST or not _likeness(found) < _NOISE)
+
+
+def is_lost(found: Solved) -> bool:
+    """Whether its run leaves the recording somewhere, however much it explains in all: residuals that change slowly."""
+    return _likeness(found) > _LOST
+
+
+def _likeness(found: Solved) -> float:
+    """The largest correlation of neighbouring residuals of a column; NaN where none is known."""
+    predictions = found.objective.predictions(found.inner, sloped=False)
+    known = [
+        each[0]
+        for run, prediction in zip(found.objective.predictor.setting.runs, predictions, strict=True)
+        if not prediction.message
+        for column in (prediction.values - run.measured).T
+        if (each := likeness(column)) is not None
+    ]
+    return max(known, default=np.nan)
 
 
 def _grown(first: Solved, begin: Array, loss: str, max_steps: int) -> Solved:
@@ -200,8 +227,10 @@ def left_over(objective: Objective, inner: Array) -> float:
         residual = (found.values - run.measured) / sigma
         if found.message:
             return np.inf
+        some = np.isfinite(run.measured).any(axis=0)
+        around = run.measured[:, some] - np.nanmean(run.measured[:, some], axis=0)
         left += float(np.nansum(residual**2))
-        total += float(np.nansum(((run.measured - np.nanmean(run.measured, axis=0)) / sigma) ** 2))
+        total += float(np.nansum((around / sigma[some]) ** 2))
     return left / total if total > 0.0 else 0.0
 
 

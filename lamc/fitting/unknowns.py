@@ -96,7 +96,8 @@ def free_of(given: object, name: str, unit: str) -> Free:
     try:
         return _free_of(given, unit)
     except RequestError as error:
-        raise RequestError(f"{name!r}: {error.message.removeprefix('vary ')}") from error
+        why = error.message.removeprefix("vary ").removeprefix("'range': ")
+        raise RequestError(f"{name!r}: {why}") from error
 
 
 def _free_of(given: object, unit: str) -> Free:

@@ -3,15 +3,14 @@
 In: a path. Out: a `Table`: times, s, and named columns in SI, gaps as NaN; points are NAME.x, NAME.y, NAME.z. Never:
 guesses a unit or runs anything: a cell is a number, or empty, or refused with its place.
 
-CSV: a heading, "t [s], h1 [deg], marker1.x [mm]", units in it or SI; commas, semicolons or tabs; # begins a remark.
+CSV: a heading, "t [s], h1 [deg], marker1.x [mm]", units in it or SI, in a remark too; commas, semicolons or tabs.
 Tracker (physlets.org/tracker, File, Export, Data File): a line with the name of the track, or "#multi:" and a line of
 names, then "t x y". Motive (docs.optitrack.com, Data Export: CSV): a line of "Format Version, 1.2…" with the unit of
 lengths, lines of types, names, IDs, kinds and axes; of rotations nothing is taken.
 """
 
-import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,21 +19,24 @@ import numpy.typing as npt
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, Place
-from lamc.basics.files import read_bytes
-from lamc.basics.number_text import is_number
+from lamc.basics.number_text import is_comma_number, is_number
 from lamc.basics.units import LENGTH, to_si
+from lamc.readers.recorded_cells import Cells, Row, cells_of, cut, lines_of, mark_of, numbers_of
 
 Array = npt.NDArray[np.float64]
 
-MAX_BYTES = 500_000_000
-MOST_COLUMNS = 10_000
 TIMES = ("t", "time", "time (seconds)", "timestamp")
 PIXELS = ("px", "pixel", "pixels")
 
-_GAPS = ("", "nan", "none", "null", "-")
-_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+\Z")
 _UNIT = re.compile(r"\s*[\[(]\s*([^\])]{1,40}?)\s*[\])]\s*\Z")
 _MOTIVE = "format version"
+_SLOW = 1.0  # s: rows that far apart tell nothing of a motion; in milliseconds and frames rows are
+_SUCH = {
+    "m": "a length: m, mm",
+    "rad": "an angle: rad, deg",
+    "rad/s": "a rate: rad/s, deg/s",
+    "s": "a time: s, ms",
+}
 _LENGTHS = {"meters": "m", "centimeters": "cm", "millimeters": "mm"}
 
 
@@ -49,17 +51,6 @@ class Table:
     units: Mapping[str, str]
 
 
-@dataclass(frozen=True)
-class _Cells:
-    """Lines of a file, with their numbers, cut into cells."""
-
-    path: str
-    lines: tuple[tuple[int, tuple[str, ...]], ...]
-
-    def place(self, number: int) -> Place:
-        return Place(self.path, number)
-
-
 def read_recording(path: Path | str, time: str | None = None, length_unit: str = "") -> Table:
     """The columns of a file.
 
@@ -69,56 +60,34 @@ def read_recording(path: Path | str, time: str | None = None, length_unit: str =
     Raises DesignError with file and line for what is no such table.
     """
     path = Path(path)
-    try:
-        text = read_bytes(path, MAX_BYTES).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise DesignError(
-            "the recording is not UTF-8 text: save it as CSV in UTF-8", Place(str(path))
-        ) from error
-    lines = text.splitlines()
-    mark = _mark(lines)
+    if length_unit and length_unit.lower() not in PIXELS:
+        factor_of(length_unit, "m", Place(str(path)), "the unit of lengths")
+    lines = lines_of(path)
+    mark = mark_of(lines)
     first = next((line for line in lines if line.strip()), "")
     if first.lower().lstrip('"').startswith(_MOTIVE):
-        return _motive(_cut(path, lines, ",", remarks=False))
+        return _motive(cut(path, lines, ",", remarks=False))
     if mark == "\t" and _is_tracker(lines):
-        return _tracker(_cut(path, lines, mark, remarks=False), length_unit)
-    return _plain(_cut(path, lines, mark, remarks=True), time, length_unit)
+        return _tracker(cut(path, lines, mark, remarks=False), length_unit)
+    return _plain(cut(path, lines, mark, remarks=True), time, length_unit)
 
 
-def _mark(lines: Sequence[str]) -> str:
-    """What sets columns apart: the first of tab, semicolon and comma that most lines have."""
-    some = [line for line in lines[:50] if line.strip() and not line.lstrip().startswith("#")]
-    for mark in ("\t", ";", ","):
-        if sum(mark in line for line in some) > len(some) // 2:
-            return mark
-    return ","
-
-
-def _cut(path: Path, lines: Sequence[str], mark: str, *, remarks: bool) -> _Cells:
-    found = []
-    for number, line in enumerate(lines, start=1):
-        if remarks:
-            line = line.split("#", 1)[0]
-        if line.strip(" \t\r,;"):
-            found.append((number, tuple(cell.strip().strip('"').strip() for cell in line.split(mark))))
-    if not found:
-        raise DesignError("the file holds no rows", Place(str(path)))
-    if len(found[0][1]) > MOST_COLUMNS:
-        raise DesignError(f"more than {MOST_COLUMNS} columns; leave some out", Place(str(path), found[0][0]))
-    return _Cells(str(path), tuple(found))
-
-
-def _plain(cells: _Cells, time: str | None, length_unit: str) -> Table:
+def _plain(cells: Cells, time: str | None, length_unit: str) -> Table:
     """A heading, then numbers."""
     number, head = cells.lines[0]
-    if any(map(is_number, head)):
+    rows = cells.lines[1:]
+    if any(is_number(cell) or is_comma_number(cell) for cell in head):
+        above = cells_of(cells.remark, cells.mark)  # as numpy.savetxt writes a heading
+        if len(above) == len(head) > 1 and not any(map(is_number, above)):
+            head, rows = above, cells.lines
+    if rows is not cells.lines and any(is_number(cell) or is_comma_number(cell) for cell in head):
         raise DesignError(
             f"the first line is {', '.join(head[:4])[:60]!r}, and it must name the columns, with units: t [s], "
             "h1 [deg]",
             cells.place(number),
         )
     names, units = zip(*(_name_and_unit(cell, cells.place(number)) for cell in head), strict=True)
-    return _table("csv", cells, names, units, cells.lines[1:], time, length_unit)
+    return _table("csv", cells, names, units, rows, time, length_unit)
 
 
 def _is_tracker(lines: Sequence[str]) -> bool:
@@ -130,7 +99,7 @@ def _is_tracker(lines: Sequence[str]) -> bool:
     )
 
 
-def _tracker(cells: _Cells, length_unit: str) -> Table:
+def _tracker(cells: Cells, length_unit: str) -> Table:
     lines = list(cells.lines)
     multi = lines[0][1][0].lstrip("#").startswith("multi")
     if multi:
@@ -154,7 +123,7 @@ def _tracker(cells: _Cells, length_unit: str) -> Table:
     return _table("tracker", cells, names, [""] * len(names), rows, "t", length_unit)
 
 
-def _motive(cells: _Cells) -> Table:
+def _motive(cells: Cells) -> Table:
     number, first = cells.lines[0]
     said = {first[k].lower(): first[k + 1] for k in range(0, len(first) - 1, 2)}
     unit = _LENGTHS.get(said.get("length units", "meters").lower())
@@ -211,10 +180,10 @@ def _name_and_unit(cell: str, place: Place) -> tuple[str, str]:
 
 def _table(
     kind: str,
-    cells: _Cells,
+    cells: Cells,
     names: Sequence[str],
     units: Sequence[str],
-    rows: Sequence[tuple[int, tuple[str, ...]]],
+    rows: Sequence[Row],
     time: str | None,
     length_unit: str,
 ) -> Table:
@@ -230,62 +199,35 @@ def _table(
         )
     if len(rows) < 2:
         raise DesignError(f"there are {len(rows)} rows of numbers; two or more are needed", place)
-    values = np.array(list(_numbers(cells, len(names), rows)))
+    values = np.array(list(numbers_of(cells, len(names), rows)))
     at = list(names).index(wanted)
-    factor = _factor(units[at], "s", place)
-    t = values[:, at] * factor
+    t = values[:, at] * factor_of(units[at], "s", place, f"the column {wanted!r}, of times,")
     _check_times(t, rows, cells)
     columns, said = {}, {}
     for k, (name, unit) in enumerate(zip(names, units, strict=True)):
         if name and k != at:
             columns[name] = values[:, k] * _scale(name, unit, length_unit, place)
-            said[name] = unit
+            said[name] = unit or (length_unit if _is_point(name) else "")
     if not columns:
         raise DesignError("there are times and nothing else", place)
-    return Table(cells.path, kind, t, columns, said)
-
-
-def _numbers(cells: _Cells, count: int, rows: Sequence[tuple[int, tuple[str, ...]]]) -> Iterator[list[float]]:
-    for number, row in rows:
-        if len(row) > count and any(row[count:]):
-            hint = (
-                "; write decimal points, or set columns apart by semicolons"
-                if all(map(str.isdigit, row[1:2]))
-                else ""
-            )
-            raise DesignError(
-                f"a line of {len(row)} columns below a heading of {count}{hint}", cells.place(number)
-            )
-        padded = [*row, *[""] * (count - len(row))][:count]
-        yield [_number(cell, cells, number) for cell in padded]
-
-
-def _number(cell: str, cells: _Cells, number: int) -> float:
-    if is_number(cell):
-        found = float(cell)
-        if not math.isfinite(found):
-            raise DesignError(f"{cell[:40]} is more than a number can be", cells.place(number))
-        return found
-    if cell.lower() in _GAPS:
-        return float("nan")
-    if _DECIMAL_COMMA.match(cell):
+    apart = float(np.median(np.diff(t)))
+    if kind == "csv" and not units[at] and apart >= _SLOW:
         raise DesignError(
-            f"{cell!r} has a decimal comma; save the file with decimal points", cells.place(number)
+            f"rows are {apart:g} apart in {wanted!r}, whose heading says no unit; are these milliseconds, or frames? "
+            "write t [ms], or t [s] if it is seconds",
+            place,
         )
-    if ":" in cell:
-        return float("nan")  # a time code, beside the time
-    raise DesignError(f"{shown(cell)} is no number; leave gaps empty, or write NaN", cells.place(number))
+    return Table(cells.path, kind, t, columns, said)
 
 
 def _scale(name: str, unit: str, length_unit: str, place: Place) -> float:
     """How many of SI the unit of a column is; pixels stay."""
-    is_point = name.rpartition(".")[2].lower() in ("x", "y", "z")
-    unit = unit or (length_unit if is_point else "")
+    unit = unit or (length_unit if _is_point(name) else "")
     if not unit or unit.lower() in PIXELS:
         return 1.0
     for si in ("m", "rad", "rad/s", "m/s", "s", "1"):
         try:
-            return _factor(unit, si, place)
+            return factor_of(unit, si, place, f"the column {name!r}")
         except DesignError:
             continue
     raise DesignError(
@@ -294,7 +236,12 @@ def _scale(name: str, unit: str, length_unit: str, place: Place) -> float:
     )
 
 
-def _factor(unit: str, si: str, place: Place) -> float:
+def _is_point(name: str) -> bool:
+    return name.rpartition(".")[2].lower() in ("x", "y", "z")
+
+
+def factor_of(unit: str, si: str, place: Place | None, what: str) -> float:
+    """How many of an SI unit a unit is; 1 of none. Raises DesignError where it is of another quantity."""
     from lamc.basics.si_units import in_unit
 
     if not unit:
@@ -302,10 +249,10 @@ def _factor(unit: str, si: str, place: Place) -> float:
     try:
         return to_si(f"1 {unit}", LENGTH) if si == "m" else in_unit(f"1 {unit}", si, "number")
     except DesignError as error:
-        raise DesignError(f"the heading's unit: {error.message}", place) from error
+        raise DesignError(f"{what} is in {shown(unit)}, which is not {_SUCH.get(si, si)}", place) from error
 
 
-def _check_times(t: Array, rows: Sequence[tuple[int, tuple[str, ...]]], cells: _Cells) -> None:
+def _check_times(t: Array, rows: Sequence[Row], cells: Cells) -> None:
     for k, (number, _) in enumerate(rows):
         if not np.isfinite(t[k]):
             raise DesignError("a row without a time; each needs one", cells.place(number))

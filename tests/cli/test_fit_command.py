@@ -120,6 +120,47 @@ def test_a_camera_of_unknown_place_and_a_recording_held_back() -> None:
     assert held["of_variance"]["h1"] < 0.001
 
 
+@pytest.mark.parametrize(
+    ("text", "words", "message"),
+    [
+        ("t [s],h1 [mm]\n0,1\n0.1,2\n", (), "bad.csv.*'h1'.*is in 'mm', which is not an angle: rad, deg"),
+        ("t [s],a [px]\n0,1\n0.1,2\n", ("--map", "a=h1"), "'a', as 'h1' of the model, is in 'px'"),
+        ("t [s],m.x [deg]\n0,1\n0.1,2\n", ("--map", "m=link@(1,0,0)"), "is in 'deg', which is not a length"),
+        ("t,h1\n0,20\n0.1,22\n", (), "'h1' reaches 22, and its heading says no unit; are these degrees"),
+        ("t [s],h1\n0,\n0.1,nan\n", (), "bad holds no numbers to compare: h1 is empty in all of its rows"),
+        ("t [s],h1\n0,1\n0.1,1\n", ("--frame", "x,-z"), "--frame is of markers, and no --map"),
+        (
+            "t [s],h1\n0,1\n0.1,1\n",
+            ("--map", "m=link@(1,0,0)"),
+            "no such column or marker; its columns are h1",
+        ),
+        ("t [s],m.x\n0,1\n0.1,1\n", ("--map", "m=lynk@(1,0,0)"), "on 'lynk', and there is no such body"),
+        ("t [s],m.x\n0,640\n0.1,641\n", ("--map", "m=link@(1,0,0)"), "640.5 m and the like.*mm or pixels"),
+        ("t [s],h1\n0,0.5\n", (), "there are 1 rows"),
+        ("t [s],h1\n0,1\n0.1,1\n", ("--free", "delay=0:2s"), "its delay may be up to 2 s: narrow it"),
+        ("t [s],h1\n-2,1\n-1,1\n", (), "before the run starts at 0 s of its clock; shift its times"),
+    ],
+)
+def test_files_that_do_not_fit_are_told_in_a_line(text: str, words: tuple[str, ...], message: str) -> None:
+    Path("bad.csv").write_text(text, encoding="utf-8")
+    said = call("fit", "rod.yaml", "--quiet", "--data", "bad.csv", "--free", "h1.stiffness", *words)
+    assert said.exit_code == 2, said.output
+    assert len(said.stderr.strip().splitlines()) == 1
+    assert re.search(message, said.stderr), said.stderr
+
+
+def test_an_empty_column_is_left_out_with_a_word(recwarn: pytest.WarningsRecorder) -> None:
+    lines = Path("run1.csv").read_text(encoding="utf-8").splitlines()
+    text = "\n".join(f"{line},{'h1.rate' if k == 0 else 'nan'}" for k, line in enumerate(lines))
+    Path("more.csv").write_text(text, encoding="utf-8")
+    said = call(*FIT, "--data", "more.csv", "--angle", "h1=0.5", "--no-pictures", "--json")
+    assert said.exit_code == 0, said.output
+    data = json.loads(said.stdout)
+    assert "more: h1.rate is empty in all rows, and left out" in data["notes"]
+    assert list(data["recordings"][0]["rms"]) == ["h1"]
+    assert not [w for w in recwarn if issubclass(w.category, RuntimeWarning)]
+
+
 def test_the_summary_names_what_was_found() -> None:
     said = call(*FIT, "--data", "run1.csv", "--angle", "h1=0.5", "--no-pictures")
     assert "95 % interval" in said.stdout

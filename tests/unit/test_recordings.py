@@ -71,13 +71,20 @@ def test_motive_takes_positions_in_their_unit(tmp_path: Path) -> None:
         ("t,h1\n0,1\n0,1\n", "run.csv:3.*time stands still"),
         ("t,h1\n0,1\n,1\n", "run.csv:3.*a row without a time"),
         ("t,h1\n0,1\n1,two\n", "run.csv:3.*'two' is no number"),
-        ("t;h1\n0;1,5\n1;2\n", "run.csv:2.*decimal comma"),
+        ("t;h1\n0;1,5\n0,1;2.5\n", "run.csv:3.*'1,5' with a decimal comma, and '2.5' with a point"),
+        ("t;h1\n0.1;1\n0.2;2,5\n", "run.csv:3.*'2,5' with a decimal comma, and '0.1' with a point"),
+        ("t,h1\n0,0,1,5\n0,1,1,6\n", "run.csv:2.*a line of 4 columns .* decimal commas need .* semicolons"),
+        ("t,h1\n0,1\n20,1\n40,1\n", "run.csv:1.*rows are 20 apart in 't'.*milliseconds"),
+        ("t,h1\n0,inf\n0.1,1\n", "run.csv:2.*'inf' is no number"),
+        ("t,time,h1\n0,0,1\n0.1,1,1\n", "run.csv:1.*two columns are named 't'"),
+        ("# swing\n0,1\n0.1,2\n", "run.csv:2.*must name the columns"),
+        ("\n \n,,\n", "no rows"),
         ("t,h1\n0,1\n0,1,5\n", "run.csv:3.*a line of 3 columns below a heading of 2"),
         ("0,1\n1,2\n", "run.csv:1.*must name the columns"),
         ("zeit,h1\n0,1\n1,2\n", "run.csv:1.*no column is named 't'.*--map COLUMN=t"),
         ("t,h1,h1\n0,1,1\n1,2,1\n", "run.csv:1.*two columns are named 'h1'"),
         ("t,h1 [kg]\n0,1\n1,2\n", "run.csv:1.*'h1' is in 'kg'"),
-        ("t [m],h1\n0,1\n1,2\n", "run.csv:1.*unit"),
+        ("t [m],h1\n0,1\n1,2\n", "run.csv:1.*'t', of times, is in 'm', which is not a time: s, ms"),
         ("t,h1\n0,1\n", "run.csv:1.*there are 1 rows"),
         ("t,h1\n0,1e999\n1,1\n", "run.csv:2.*more than a number can be"),
         ("", "no rows"),
@@ -90,6 +97,41 @@ def test_what_is_wrong_is_told_at_its_line(tmp_path: Path, text: str, message: s
     with pytest.raises(lamc.DesignError, match=message) as error:
         read(tmp_path, text)
     assert "\n" not in str(error.value)
+
+
+GERMAN = "t [s];h1 [deg]\n0,0;1,5\n0,1;-2,5e-1\n"
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        GERMAN.encode(),
+        GERMAN.replace("\n", "\r\n").encode("utf-8-sig"),
+        GERMAN.replace(";", "\t").encode("utf-16"),
+        b'"t [s]","h1 [deg]"\n"0,0","1,5"\n"0,1","-2,5e-1"\n',
+        b"# t [s], h1 [deg]\n0.0, 1.5\n0.1, -2.5e-1\n",  # numpy.savetxt
+        b"t [s],h1 [deg]\r0,1.5\r.1,-.25\r",
+    ],
+)
+def test_what_spreadsheets_and_numpy_write_is_read(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "run.csv"
+    path.write_bytes(data)
+    table = read_recording(path)
+    assert table.t.tolist() == [0.0, 0.1]
+    assert np.degrees(table.columns["h1"]).tolist() == pytest.approx([1.5, -0.25])
+
+
+@pytest.mark.parametrize("data", ["t [s],h1 [°]\n0,1\n1,2\n".encode("latin-1"), bytes(range(256)) * 10])
+def test_what_is_no_text_is_refused(tmp_path: Path, data: bytes) -> None:
+    path = tmp_path / "run.csv"
+    path.write_bytes(data)
+    with pytest.raises(lamc.DesignError, match="not UTF-8 text: save it as CSV in UTF-8"):
+        read_recording(path)
+
+
+def test_a_unit_of_lengths_that_is_none_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(lamc.DesignError, match="the unit of lengths is in 'stone', which is not a length"):
+        read(tmp_path, "t,a.x\n0,1\n0.1,2\n", length_unit="stone")
 
 
 CELLS = ("t", "h1", "#multi:", "Frame", "Format Version", "Position", "x", "1", "nan", "1e5", '"', "")

@@ -198,8 +198,8 @@ def _refuse_pixels(recording: Recording, name: str) -> None:
         raise RequestError(
             f"coordinates of markers of {name} are {np.median(values):g} m and the like (half of them above "
             f"{_FAR_OFF:g} m); "
-            "is this mm or pixels? give metres (of a file: --unit mm, or [mm] in its heading), or a camera, whose scale is "
-            "found (--frame x,-z)"
+            "is this mm or pixels? give metres (of a file: --unit mm, or [mm] in its heading), or a camera "
+            "whose scale is found (--frame x,-z)"
         )
 
 

@@ -5,6 +5,7 @@ derived again. A note that is damaged or cannot be written costs a derivation, a
 """
 
 import hashlib
+from collections import deque
 from dataclasses import dataclass
 from typing import Any
 from weakref import WeakKeyDictionary, WeakValueDictionary
@@ -22,6 +23,9 @@ from lamc.symbolic.program import Program
 from lamc.symbolic.staging import DrawnKey
 
 _opened: "WeakValueDictionary[str, Module]" = WeakValueDictionary()  # by folder, verified
+# A module of derivatives is asked for anew by each fit and each run with sensitivities, whose models do not hold it; to
+# verify and load it takes a quarter of a short fit.
+_latest: "deque[Module]" = deque(maxlen=8)
 _stamps: "WeakKeyDictionary[Module, tuple[tuple[str, int, int], ...]]" = (
     WeakKeyDictionary()
 )  # of their files, then
@@ -127,10 +131,12 @@ def opened_entry(cache: Cache, entry: str) -> Module | None:
 
 
 def keep_opened(cache: Cache, entry: str, module: Module) -> None:
-    """The module of an entry that was verified or made just now is not opened again while somebody has it."""
+    """The module of an entry that was verified or made just now is not opened again while somebody has it, or it is one
+    of the latest."""
     folder = cache.root / entry
     _opened[str(folder)] = module
     _stamps[module] = stamps(folder)
+    _latest.append(module)
 
 
 def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Module, KeptDesign] | None:

@@ -24,7 +24,7 @@ from lamc.run.model import Motion, Unchanging
 from lamc.run.operating_notes import notes_of
 from lamc.run.request import Array, finite
 from lamc.run.stability import Criterion, Kind, Resistance, resistance
-from lamc.run.steady import CLOSED, check_edges, check_rank, check_time, contacts
+from lamc.run.steady import CLOSED, check_clocks, check_edges, check_rank, check_time, contacts
 
 if TYPE_CHECKING:
     from lamc.run.simulator import Simulator
@@ -141,6 +141,7 @@ def equilibria_of(
 
 
 def _rest(simulator: "Simulator", parameters: Mapping[str, float | str], t: float | None) -> Rest:
+    check_clocks(simulator.model)
     instant = 0.0 if t is None else finite(t, "t", "a time in s")
     return Rest(simulator.model.motion(parameters), instant, simulator.mechanism.size)
 

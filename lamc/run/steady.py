@@ -1,17 +1,18 @@
 """What an operating point may rest on: loads that do not change with time, contacts that are made or are not, loops
 whose rank holds.
 
-In: a `Stand`, a scene's guards. Out: names of contacts that are made, or a SimulationError that says why nothing can be
-said of the place. Never: searches.
+In: a `Stand`, a scene's guards. Out: names of contacts that are made, or an error that says why nothing can be said of
+the place. Never: searches.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from lamc.basics.errors import RequestError, SimulationError
+from lamc.basics.errors import RequestError, SimulationError, UnsupportedError
 from lamc.records.network import listed_names
 from lamc.run.at_rest import Rest, Stand
+from lamc.run.model import Model
 from lamc.run.request import Array
 
 FADED = 1e-5  # of the strongest equation of the loops: such a position is known to 1e-8 at best; see CLOSED
@@ -23,6 +24,17 @@ _JUMP = (
 _INSTANTS = 512  # at which loads are looked at
 _ODD = 0.6180339887498949  # of the spacing: periodic loads have no period in common with it
 _SAME = 1e-12  # of the accelerations: round-off of the same sums
+
+
+def check_clocks(model: Model) -> None:
+    """Raises UnsupportedError for what samples: between samples it holds what it took, and no stiffness in continuous
+    time has that."""
+    if model.has_clocks:
+        clock = model.guards[model.handle.clock_guards[0]]
+        raise UnsupportedError(
+            f"{clock}: what is held between samples has no stiffness and no linear model; leave its period out, which "
+            "balances at the same place and is the limit of short periods, or look at runs"
+        )
 
 
 def check_time(rest: Rest, q: Array, duration: float) -> None:

@@ -82,6 +82,17 @@ def test_long_periods_make_a_loop_unstable_that_holds_without() -> None:
         assert (abs(result.angle("hip")[-1] - GOAL) > GOAL) == (radius > 1.0)
 
 
+def test_a_sampled_loop_has_no_linear_model() -> None:
+    """What is held pushes back no more than a weight does: its stiffness was that of the hinge alone, without a word."""
+    sim = simulator(pendulum(), servo(period=0.4))
+    for asked in (sim.equilibrium, sim.equilibria, sim.modes):
+        with pytest.raises(
+            UnsupportedError, match=r"servo of hip samples.*no linear model.*leave its period out"
+        ):
+            asked()
+    assert simulator(pendulum(), servo()).equilibrium().angles["hip"] == pytest.approx(GOAL, abs=1e-9)
+
+
 def test_the_limit_follows_the_rate_between_samples() -> None:
     """Held beyond the limit, the link spins up exponentially: I u̇ = T₀ (1 - u/ω₀)."""
     sim = simulator(pendulum(), servo(100.0, stall_torque=STALL, no_load_speed=SPEED, period=0.1))

@@ -240,3 +240,18 @@ def remarks(compared: tuple[Compared, ...]) -> list[str]:
                     "the model misses something, and the intervals are too narrow"
                 )
     return found
+
+
+def beyond_a_turn(compared: tuple[Compared, ...]) -> list[str]:
+    """Angles that may be degrees, taken for radians."""
+    most = {
+        f"{each.name}: {column}": float(np.nanmax(np.abs(each.measured[:, k]), initial=0.0))
+        for each in compared
+        for k, column in enumerate(each.columns)
+        if each.units[k] == "rad"
+    }
+    return [
+        f"{name} reaches {size:.4g} rad; are these degrees?"
+        for name, size in most.items()
+        if size > 2.0 * np.pi
+    ]

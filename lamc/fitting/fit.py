@@ -13,7 +13,7 @@ from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError
 from lamc.basics.places import located_at
 from lamc.codegen.options import CompileOptions
-from lamc.fitting.answer import Fit, compared_of, remarks
+from lamc.fitting.answer import Fit, beyond_a_turn, compared_of, remarks
 from lamc.fitting.cameras import camera_starts
 from lamc.fitting.exact import Exact
 from lamc.fitting.losses import LOSSES
@@ -165,6 +165,7 @@ def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
     share = left_over(objective, inner)
     if share > _POOR:
         notes.append(f"the model leaves {share:.0%} of the data's variance: it does not describe them")
+        notes += beyond_a_turn(compared)
     notes += [
         f"{name} stands at its bound, {values[name]:g}; widen the range, or leave it there"
         for name in account.at_bounds

@@ -25,6 +25,7 @@ from lamc.run.vibration import Mode, Modes, cycle
 _LONGEST = 440  # pixels of a panel
 _FAINT = 0.28  # of the equilibrium's colours
 _HEAD, _TITLE, _FOOT, _GAP = 44, 62, 26, 22  # pixels: of the sheet, above and below a mode, between panels
+_WIDE = 0.6  # of a letter's size, of an average one: DejaVu Sans
 _HALVED = 5  # times, until loops close
 
 
@@ -69,7 +70,7 @@ class _Sheet:
     def __init__(self, count: int, width: int, height: int) -> None:
         self.columns = 1 if count <= 2 else 2
         self.panel = (width, height)
-        self.cell = (max(2 * width + 3 * _GAP, 560), height + _TITLE + _FOOT)
+        self.cell = (max(2 * width + 3 * _GAP, 680), height + _TITLE + _FOOT)
         self.width = self.columns * self.cell[0]
         self.height = _HEAD + math.ceil(count / self.columns) * self.cell[1]
         self.figure = Figure(figsize=(self.width / DPI, self.height / DPI), dpi=DPI)
@@ -80,8 +81,8 @@ class _Sheet:
         left, top = column * self.cell[0], _HEAD + line * self.cell[1]
         wide, tall = self.panel
         middle = (left + self.cell[0] / 2) / self.width
-        self.write(middle, top + 6, lines[0], 10.5)
-        self.write(middle, top + 32, lines[1], 8.5)
+        self.write(middle, top + 6, lines[0], 10.5, self.cell[0])
+        self.write(middle, top + 32, lines[1], 8.5, self.cell[0])
         first = left + (self.cell[0] - 2 * wide - _GAP) / 2
         for k, (picture, label) in enumerate(zip(panels, labels, strict=True)):
             x, bottom = first + k * (wide + _GAP), top + _TITLE + tall
@@ -91,8 +92,11 @@ class _Sheet:
             axis.set_axis_off()
             self.write((x + wide / 2) / self.width, bottom + 2, label, 9)
 
-    def write(self, across: float, down: float, text: str, size: float) -> None:
-        """A line. across: share of the width, of its middle; down: pixels from the top."""
+    def write(self, across: float, down: float, text: str, size: float, room: float | None = None) -> None:
+        """A line. across: share of the width, of its middle; down: pixels from the top; room: pixels that it must fit
+        in, None: those of the sheet."""
+        long = _WIDE * size * DPI / 72.0 * max(len(text), 1)
+        size *= min(1.0, ((self.width if room is None else room) - _GAP) / long)
         self.figure.text(
             across, 1 - down / self.height, text, ha="center", va="top", fontsize=size, parse_math=False
         )

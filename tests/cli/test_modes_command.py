@@ -53,6 +53,15 @@ def test_the_picture_shows_every_mode_at_both_ends() -> None:
     assert len(np.unique(pixels.reshape(-1, 3), axis=0)) > 50  # bodies, and the faint ones behind them
 
 
+@pytest.mark.usefixtures("painted")
+def test_no_word_leaves_a_narrow_picture() -> None:
+    assert call("--example", "four_bar", "--size", "120").exit_code == 0
+    with Image.open("out/four_bar_modes/modes.png") as picture:
+        sheet = np.asarray(picture.convert("L"))
+    assert (sheet[:, :3] == 255).all()
+    assert (sheet[:, -3:] == 255).all()
+
+
 def test_start_parameters_and_choices_come_through() -> None:
     words = ("--example", "vertex", "--angle", "c1=-60 deg", "--set", "c2.stiffness=0.2 N*mm/rad")
     result = call(

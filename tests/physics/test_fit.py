@@ -254,6 +254,26 @@ def test_residuals_that_are_no_noise_are_told(design: lamc.Design) -> None:
     assert any("alike from row to row" in note for note in fit.notes)
 
 
+def test_white_noise_is_not_taken_for_a_bad_fit() -> None:
+    """A fifth of what was recorded is noise: no other start leaves less, and none is looked at."""
+    t, scene = np.linspace(0.0, 2.0, 401), lamc.Scene(angles={"h": 0.1})
+    q = lamc.compile(one_link(3e-3, 2e-5), scene).run(t_end=2.0, t_eval=t).angle("h")
+    q = q + 0.5 * q.std() * np.random.default_rng(0).normal(size=len(t))
+    fit = lamc.fit(one_link(), lamc.Recording(t, {"h": q}), ["h.stiffness", "h.damping"], scene)
+    assert fit.converged
+    assert fit.compared[0].share["h"] > 0.15
+    assert fit.runs <= 12  # a walk and its end, where other starts took sixty and more
+    assert not fit.notes
+
+
+def test_degrees_in_place_of_radians_are_asked_about(design: lamc.Design) -> None:
+    told = {name: np.degrees(q) for name, q in angles(design, angles={"h1": 0.8}).items()}
+    fit = lamc.fit(
+        design, lamc.Recording(T, told), ["h1.stiffness"], lamc.Scene(angles={"h1": 0.8}), starts=1
+    )
+    assert any("h1 reaches" in note and "are these degrees?" in note for note in fit.notes)
+
+
 def test_each_recording_follows_its_own_command() -> None:
     def scene(series: lamc.Series) -> lamc.Scene:
         torque = lamc.Torque({"h": "2e-3*drive"})

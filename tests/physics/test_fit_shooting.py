@@ -76,6 +76,13 @@ def test_pieces_and_one_run_agree_where_both_can() -> None:
         assert pieces.errors[name] == pytest.approx(one.errors[name], rel=1e-2)
 
 
+def test_derivatives_that_no_memory_should_hold_are_refused() -> None:
+    t = np.linspace(0.0, 1.0, 200_001)
+    data = lamc.Recording(t, {"p": 2.9 - t})
+    with pytest.raises(lamc.RequestError, match=r"200001 rows in 396 numbers of pieces.*leave rows out"):
+        lamc.fit(double_pendulum(), data, list(TRUE), SCENE, segments=100)
+
+
 # ---- loops -----------------------------------------------------------------------------------------------------------
 
 LOOP_TRUE = {"a.damping": 0.05, "bob.mass": 1.4, "p.damping": 0.03}

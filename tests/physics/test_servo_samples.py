@@ -83,7 +83,7 @@ def test_long_periods_make_a_loop_unstable_that_holds_without() -> None:
 
 
 def test_a_sampled_loop_has_no_linear_model() -> None:
-    """What is held pushes back no more than a weight does: its stiffness was that of the hinge alone, without a word."""
+    """What is held has no stiffness; modes would be those of the hinge alone."""
     sim = simulator(pendulum(), servo(period=0.4))
     for asked in (sim.equilibrium, sim.equilibria, sim.modes):
         with pytest.raises(

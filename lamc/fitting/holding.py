@@ -22,7 +22,7 @@ from lamc.records.recording import Camera, Recording
 def held_back(fit: Fit, recording: Recording) -> Compared:
     """The recording beside the fitted model. Raises RequestError as a fit does."""
     usual = fit.setting.simulators
-    simulators = usual if not fit.dimensions else Simulators(fit.design, fit.simulator.scene)
+    simulators = usual if not fit.dimensions else Simulators(fit.design, fit.simulator.scene, usual.options)
     if recording.camera is not None:
         recording = replace(recording, camera=_known(fit, recording.camera))
     parameters = {**fit.setting.parameters, **fit.parameters}

@@ -29,7 +29,7 @@ class Simulators:
     """usual: of the design as it stands."""
 
     def __init__(self, design: Studied, scene: SceneGiven, options: CompileOptions | None = None) -> None:
-        self.design, self._scene, self._options = design, scene, options
+        self.design, self._scene, self.options = design, scene, options
         self._made: dict[tuple[tuple[str, float], ...], Simulator] = {}
         self._cache = Cache(cache_root())
         self.usual = self.of({})
@@ -54,7 +54,7 @@ class Simulators:
         if callable(scene):
             design = split(design) if isinstance(design, Design) else design
             scene = scene(design)
-        return compile_design(design, scene, self._options, cache=self._cache)
+        return compile_design(design, scene, self.options, cache=self._cache)
 
 
 def start_of(simulator: Simulator, angles: Mapping[str, float], rates: Mapping[str, float]) -> Array:

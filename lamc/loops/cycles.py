@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 
 import numpy as np
 
@@ -79,8 +80,13 @@ def _short_cycles(tree: Tree) -> tuple[Cycle, ...]:
     rank = {
         index: position for position, index in enumerate(sorted(range(len(joints)), key=keys.__getitem__))
     }
-    ways = shortest_basis(edges, [rank[index] for index in range(len(joints))])
+    ways = _usual_basis(tuple(edges), tuple(rank[index] for index in range(len(joints))))
     return tuple(_cycle(way, edges, joints, tree.mechanism.size) for way in ways)
+
+
+@lru_cache(maxsize=4)  # drawings of one topology have one, whatever their numbers
+def _usual_basis(edges: tuple[Edge, ...], rank: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
+    return tuple(shortest_basis(edges, rank))
 
 
 def shortest_basis(edges: Sequence[Edge], rank: Sequence[int]) -> list[tuple[int, ...]]:

@@ -4,6 +4,7 @@ The survey of a drawing (`lamc.mechanics.survey`) promises that drawings of one 
 program is derived all the same, and the promise held against it: structures, numbers, then motions, to the last bit.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -26,6 +27,7 @@ from lamc.mechanics.derive import derive
 from lamc.mechanics.lower import lower
 from lamc.mechanics.survey import Survey, can_survey, survey_design
 from lamc.mechanism.plan import plan
+from lamc.readers.load import load_text
 from lamc.records.effect import Effect
 from lamc.records.mechanism import Mechanism
 from lamc.symbolic.program import Program
@@ -228,3 +230,51 @@ def test_a_box_of_other_lengths_is_not_derived_again(tmp_path: Path) -> None:
     for one, other in ((a.t, b.t), (a.q, b.q), (a.u, b.u)):
         assert np.array_equal(one, other)
     assert quick.model.digest == alone.model.digest == alone.program.digest == quick.program.digest
+
+
+SKEWED = """
+units: mm
+parameters: {length: {default: 60 mm, min: 40 mm}, skew: 0 mm, rise: {default: 0.3 mm, min: 0.1 mm}}
+materials:
+  card: {density: 700, rigid: true}
+  film: {density: 1390, flexible: true}
+layers: [{name: low, material: card, thickness: rise}, {name: film, material: film, thickness: 0.025}]
+shapes: [{rect: [-20, 0, length, 10]}]
+hinges:
+  - {name: hip, line: [[0, 0], [0, 10]], gap: 0.5}
+  - {name: knee, line: [[length/2, 0], [length/2 + skew, 10]], gap: 0.5}
+fixed: [{rect: [-20, 0, -10, 10]}]
+"""
+
+
+@settings(deadline=None, max_examples=6)
+@given(
+    points=st.lists(
+        st.tuples(st.floats(0.045, 0.09), st.sampled_from([0.0, 0.0, 0.002, -0.003]), st.floats(1e-4, 1e-3)),
+        min_size=2,
+        max_size=6,
+    )
+)
+def test_a_way_through_several_topologies_has_the_equations_of_each(
+    points: list[tuple[float, float, float]], tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """What simulators made one of another have in common is looked for once: code, compiler. Hinges that are parallel
+    at some points and not at others are other equations; each point has those that are derived for it."""
+    root = tmp_path_factory.getbasetemp() / "skewed"
+    design = load_text(SKEWED, "skewed.yaml")
+    assert isinstance(design, lamc.Design)
+    sim = lamc.compile(design, cache=Cache(root / "shared"))
+    told = {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", lamc.DesignWarning)  # that another is compiled anew
+        for length, skew, rise in points:
+            drawn = design.with_parameters(length=length, skew=skew, rise=rise)
+            sim = sim.with_design(drawn)
+            alone = lamc.compile(drawn, cache=Cache(root / "alone"))
+            derived = alone.program
+            assert (sim.structure, sim.model.digest) == (derived.structure, derived.digest)
+            told[skew == 0.0] = sim.structure
+            a, b = sim.run(0.02), alone.run(0.02)
+            assert np.array_equal(a.t, b.t)
+            assert np.array_equal(a.q, b.q)
+    assert len(set(told.values())) == len(told)

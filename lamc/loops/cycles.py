@@ -24,6 +24,10 @@ from lamc.mechanism.tree import WORLD, Tree
 from lamc.records.mechanism import Array, Joint
 from lamc.records.network import SAME
 
+# Of the largest sine: of lines that meet, the first that leans so far from the first one tells the plane of z. The line
+# that leans farthest would be another one at another fold angle, and with it the zeros of the equations; neighbours in
+# a facet keep their angle.
+CLEAR = 0.5
 FIRST_REACH = 3  # hinges from a root: cycles of 6 and most of 7 are among the first candidates
 
 
@@ -232,7 +236,9 @@ def _frame(kind: Kind, axes: Array, arms: Array, size: float) -> Array:
         z, x = first, _perpendicular(first)
     else:
         crossed = np.cross(first, axes)
-        z = crossed[int(np.argmax(np.linalg.norm(crossed, axis=1)))]
+        sines = np.linalg.norm(crossed, axis=1)
+        clear = CLEAR if kind is Kind.SPHERICAL else 1.0
+        z = crossed[int(np.argmax(sines >= clear * sines.max()))]
         z, x = z / np.linalg.norm(z), first
         flat = np.abs(axes @ z).max() <= SAME and np.abs(arms @ z).max() <= SAME * size
         if not flat:

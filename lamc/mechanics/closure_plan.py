@@ -45,7 +45,9 @@ def pattern_of(closure: Closure, q: Sequence[Value], loops: LoopCount) -> Patter
     return Pattern(rows, plan if _is_cheaper(plan, len(rows), len(q), rank) else ())
 
 
-def _best_plan(rows: Sequence[Mapping[int, float]], rank: int, shares: Sequence[float]) -> tuple[PlanStep, ...]:
+def _best_plan(
+    rows: Sequence[Mapping[int, float]], rank: int, shares: Sequence[float]
+) -> tuple[PlanStep, ...]:
     """The first of the plans by these shares that is about as good as any; where none is, that of least noise."""
     made = [eliminated(rows, rank, share) for share in shares]
     quietest = min(made, key=lambda each: each.most_noise)

@@ -2,7 +2,8 @@
 
 load → split → plan → survey → derive → lower → emit → build. The survey tells a design's numbers from its structure:
 where the cache has the structure, they go to its code, and nothing after it is done. Between two calls nothing is
-remembered but the cache, the code that is loaded from it, and the last mechanism's tree, which follows from it alone.
+remembered but the cache, which keeps at hand what the designs of one study have in common, the code that is loaded from
+it, and the last mechanism's tree, which follows from it alone.
 """
 
 import logging
@@ -163,7 +164,10 @@ def _compiled(
     if loops is None and len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
             loops = _loops_of(mechanism, arranged(), effects, scene, cache, common)
-    compiler = find_compiler(options.compiler, flags=options.flags)
+    compiler = cache.once(
+        ("compiler", options.compiler, options.flags),
+        lambda: find_compiler(options.compiler, flags=options.flags),
+    )
 
     @remembered
     def equations() -> "Equations":

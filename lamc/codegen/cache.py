@@ -14,14 +14,17 @@ import shutil
 import stat
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from lamc.basics.errors import BuildError
 
 MANIFEST = "manifest.json"
 STALE = 86_400.0  # s; nothing is under way for longer than this
+MOST_KNOWN = 16  # things that are kept at hand, modules among them
+T = TypeVar("T")
 
 
 def cache_root(environment: Mapping[str, str] | None = None) -> Path:
@@ -46,12 +49,28 @@ def make_root(root: Path) -> None:
 class Cache:
     """Entries by key. Reading needs no right to write.
 
-    passing  notes of single designs go nowhere: of a thousand designs of a study nobody asks again
+    passing  as one study uses it: notes of single designs go nowhere, as of a thousand of them nobody asks again; and
+             what all of them have in common is looked for once (`once`)
     """
 
     def __init__(self, root: Path, *, passing: bool = False) -> None:
         self.root = root
         self.passing = passing
+        self._known: dict[Hashable, Any] = {}
+
+    def __reduce__(self) -> Any:
+        return partial(Cache, passing=self.passing), (self.root,)
+
+    def once(self, key: Hashable, find: Callable[[], T]) -> T:
+        """What `find` finds; in passing kept by `key` for the designs to come, unless it is None."""
+        found: T = self._known.get(key)  # type: ignore[assignment]
+        if found is None:
+            found = find()
+            if self.passing and found is not None:
+                if len(self._known) >= MOST_KNOWN:
+                    self._known.clear()
+                self._known[key] = found
+        return found
 
     def find(self, key: str) -> Path | None:
         """Folder of a complete and unchanged entry, or None."""

@@ -156,8 +156,10 @@ def _strays(
 ) -> dict[int, tuple[tuple[int, tuple[int, ...]], ...]]:
     """For each hinge, its layers where its slit lies between bodies, and not between those that it joins."""
     found: dict[int, tuple[tuple[int, tuple[int, ...]], ...]] = {}
-    known = {layer: layer.touched(near) for layer in dict.fromkeys(layers)}
-    for i, layer in enumerate(layers):
+    run = {i for k, bodies in enumerate(joined) if bodies for i in hinges[k].layers}
+    known = {layer: layer.touched(near) for layer in dict.fromkeys(layers[i] for i in sorted(run))}
+    for i in sorted(run):
+        layer = layers[i]
         touched = known[layer]
         for k, bodies in enumerate(joined):
             if not bodies or i not in hinges[k].layers:

@@ -47,6 +47,8 @@ def holes_per_layer(
     Raises DesignError, at the place, where too many do."""
     strips = strips_of(hinges)
     pairs = meetings_of(strips, place)
+    if not len(pairs):
+        return (_EMPTY,) * count
     overlaps: Geometries = shapely.intersection(strips[pairs[:, 0]], strips[pairs[:, 1]])
     check_overlaps(overlaps, place)
     shared = [set(hinges[a].layers) & set(hinges[b].layers) for a, b in pairs.tolist()]

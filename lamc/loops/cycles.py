@@ -13,6 +13,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import lru_cache
 
 import numpy as np
 
@@ -23,6 +24,10 @@ from lamc.mechanism.tree import WORLD, Tree
 from lamc.records.mechanism import Array, Joint
 from lamc.records.network import SAME
 
+# Of the largest sine: of lines that meet, the first that leans so far from the first one tells the plane of z. The line
+# that leans farthest would be another one at another fold angle, and with it the zeros of the equations; neighbours in
+# a facet keep their angle.
+CLEAR = 0.5
 FIRST_REACH = 3  # hinges from a root: cycles of 6 and most of 7 are among the first candidates
 
 
@@ -79,8 +84,13 @@ def _short_cycles(tree: Tree) -> tuple[Cycle, ...]:
     rank = {
         index: position for position, index in enumerate(sorted(range(len(joints)), key=keys.__getitem__))
     }
-    ways = shortest_basis(edges, [rank[index] for index in range(len(joints))])
+    ways = _usual_basis(tuple(edges), tuple(rank[index] for index in range(len(joints))))
     return tuple(_cycle(way, edges, joints, tree.mechanism.size) for way in ways)
+
+
+@lru_cache(maxsize=4)  # drawings of one topology have one, whatever their numbers
+def _usual_basis(edges: tuple[Edge, ...], rank: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
+    return tuple(shortest_basis(edges, rank))
 
 
 def shortest_basis(edges: Sequence[Edge], rank: Sequence[int]) -> list[tuple[int, ...]]:
@@ -226,7 +236,9 @@ def _frame(kind: Kind, axes: Array, arms: Array, size: float) -> Array:
         z, x = first, _perpendicular(first)
     else:
         crossed = np.cross(first, axes)
-        z = crossed[int(np.argmax(np.linalg.norm(crossed, axis=1)))]
+        sines = np.linalg.norm(crossed, axis=1)
+        clear = CLEAR if kind is Kind.SPHERICAL else 1.0
+        z = crossed[int(np.argmax(sines >= clear * sines.max()))]
         z, x = z / np.linalg.norm(z), first
         flat = np.abs(axes @ z).max() <= SAME and np.abs(arms @ z).max() <= SAME * size
         if not flat:

@@ -145,7 +145,7 @@ def _accelerations(store: Store, arrangement: Arrangement) -> list[Value]:
 
 
 def _pattern(symbols: Symbols, closure: Closure | None, loops: LoopCount) -> Pattern | None:
-    return None if closure is None else pattern_of(closure, symbols.q, loops.rank, loops.position)
+    return None if closure is None else pattern_of(closure, symbols.q, loops)
 
 
 def _powers(

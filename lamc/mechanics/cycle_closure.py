@@ -120,12 +120,14 @@ def lines_of(cycles: Sequence[Cycle], joints: Sequence[Joint], size: float) -> l
 
 def _drawn(cycle: Cycle, joints: Sequence[Joint], size: float) -> Array:
     """Axes and arms (k, 6) of a cycle's joints."""
-    drawn = np.empty((len(cycle.joints), 6))
-    for row, index, sign in zip(drawn, cycle.joints, cycle.signs, strict=True):
-        row[:3] = snap(cycle.frame.T @ (sign * joints[index].axis), 1.0)
-        arm = snap(cycle.frame.T @ (joints[index].point - cycle.centre) / size, 1.0)
-        row[3:] = snap(arm - (arm @ row[:3]) * row[:3], 1.0)
-    return drawn
+    frame, of = cycle.frame.T, [joints[index] for index in cycle.joints]
+    drawn = np.empty((2, len(of), 3))
+    for k, (joint, sign) in enumerate(zip(of, cycle.signs, strict=True)):
+        drawn[0, k] = frame @ (sign * joint.axis)
+        drawn[1, k] = frame @ (joint.point - cycle.centre) / size
+    axes, arms = snap(drawn, 1.0)
+    along = np.array([arm @ axis for arm, axis in zip(arms, axes, strict=True)])
+    return np.concatenate([axes, snap(arms - along[:, None] * axes, 1.0)], axis=1)
 
 
 def line_numbers(lines: Sequence[Sequence[Line]]) -> Iterator[tuple[DrawnKey, float]]:

@@ -122,7 +122,7 @@ def _of_plan(symbols: Symbols, tree: Tree, loops: LoopCount) -> str:
     the same operations, so that the same plan comes of it to the last bit."""
     count = len(tree.hinges)
     closure = close_cycles(tree, symbols.q[:count], symbols.u[:count])
-    return repr(pattern_of(closure, symbols.q, loops.rank, loops.position))
+    return repr(pattern_of(closure, symbols.q, loops))
 
 
 def _kind(value: float) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 from lamc.basics.errors import DesignError, Place
 from lamc.basics.fields import EXPRESSIONS
 from lamc.basics.units import length_unit
-from lamc.readers.checking import Problems, check_tags, validated
+from lamc.readers.checking import Problems, check_tags
 from lamc.readers.fields import LENGTH_UNIT
 from lamc.readers.inert import MapNode, Node, ScalarNode, plain
 from lamc.readers.native_drawings import Drawings
@@ -22,7 +22,6 @@ from lamc.readers.numbers import Numbers
 from lamc.readers.parameters import SECTION, Parameters
 from lamc.readers.parameters_section import read_parameters
 from lamc.readers.popupcad_beside import Beside
-from lamc.readers.schema import DesignModel
 from lamc.records.design import Design
 from lamc.records.parameters import DesignParameter, with_origin
 
@@ -79,7 +78,7 @@ class Document:
         """The design, and which parameters it follows from."""
         numbers = Numbers(self.declared, self.given)
         context = {LENGTH_UNIT: self.length_unit, EXPRESSIONS: numbers}
-        model = validated(DesignModel, self.node, self._data, context)
+        model = self.kept.model.model(self.node, self._data, context, numbers)
         problems = Problems(self.node)
         reader = DesignReader(model, problems, self.node.place.file, self.length_unit, numbers, self.kept)
         return reader.design(), numbers.used

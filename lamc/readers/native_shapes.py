@@ -15,6 +15,7 @@ from lamc.basics.errors import DesignError
 from lamc.design import shapes
 from lamc.design.work import Account
 from lamc.readers.checking import Path
+from lamc.readers.kept_model import KeptModel
 from lamc.readers.native_drawings import Drawings
 from lamc.readers.schema import OutlineModel
 from lamc.records.effect import Effect
@@ -30,21 +31,24 @@ class Kept:
     what it was made of, which is made again only where that is another.
 
     effects  those that follow from no parameter, by where they stand
+    model    what the file said
     """
 
     drawings: Drawings
     regions: dict[Path, tuple[OutlineModel, Region]] = field(default_factory=dict)
     sheets: dict[Path, tuple[Entries, MultiPolygon]] = field(default_factory=dict)
     effects: dict[Path, Effect] = field(default_factory=dict)
+    model: KeptModel = field(default_factory=KeptModel)
 
     def __getstate__(self) -> dict[str, object]:
         """What is quickly made again stays behind."""
-        return {"drawings": self.drawings, "regions": {}, "sheets": {}, "effects": self.effects}
+        again = {"regions": {}, "sheets": {}, "model": KeptModel()}
+        return {"drawings": self.drawings, "effects": self.effects, **again}
 
     def region(self, path: Path, shape: OutlineModel) -> Region:
         """What is drawn at `path`. Raises DesignError for what encloses nothing."""
         before = self.regions.get(path)
-        if before is not None and before[0] == shape:
+        if before is not None and (before[0] is shape or before[0] == shape):
             return before[1]
         region = drawn(shape)
         self.regions[path] = shape, region

@@ -141,16 +141,20 @@ def keep_opened(cache: Cache, entry: str, module: Module) -> None:
 
 def design_of_structure(cache: Cache, alias: str, survey: Survey) -> tuple[Module, KeptDesign] | None:
     """The module of a structure, and what is to be known of the design that was surveyed; None where there is none."""
-    known = kept_structure(cache, alias)
-    if known is None or known.parameters != tuple(p.name for p in survey.parameters):
+    found = cache.once(alias, lambda: _opened_structure(cache, alias))
+    if found is None:
         return None
-    if not survey.knows(known.keys):
-        return None
-    module = opened_entry(cache, known.entry)
-    if module is None:
+    known, module = found
+    if known.parameters != tuple(p.name for p in survey.parameters) or not survey.knows(known.keys):
         return None
     numbers = DesignNumbers(survey.inputs(known.keys), survey.drawn)
     return module, KeptDesign(known.entry, numbers, known.keys)
+
+
+def _opened_structure(cache: Cache, alias: str) -> tuple[KeptStructure, Module] | None:
+    known = kept_structure(cache, alias)
+    module = opened_entry(cache, known.entry) if known is not None else None
+    return None if known is None or module is None else (known, module)
 
 
 def _keys(found: dict[str, Any]) -> tuple[DrawnKey, ...]:

@@ -12,6 +12,7 @@ from weakref import WeakValueDictionary
 
 from lamc.basics.drawing import drawer
 from lamc.basics.errors import UnsupportedError
+from lamc.basics.once import kept_with
 from lamc.codegen.cache import Cache
 from lamc.codegen.options import CompileOptions
 from lamc.records.mechanism import Mechanism
@@ -38,8 +39,15 @@ class Recipe:
     cache: Cache
 
     def in_passing(self) -> "Recipe":
-        """The same, of which the cache keeps nothing that is of one design alone."""
-        return replace(self, cache=Cache(self.cache.root, passing=True))
+        """The same, of which the cache keeps nothing that is of one design alone. One for all that are made of it: what
+        these have in common is looked for once."""
+        return kept_with(self, "_in_passing", Recipe._passing)
+
+    def _passing(self) -> "Recipe":
+        return self if self.cache.passing else replace(self, cache=Cache(self.cache.root, passing=True))
+
+    def __reduce__(self) -> Any:
+        return Recipe, (self.mechanism, self.scene, self.options, self.cache)
 
     def simulator(
         self, design: "Design | Mechanism | None" = None, scene: Scene | None = None

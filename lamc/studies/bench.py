@@ -94,6 +94,8 @@ class Bench:
         self.subject = subject
         self._simulators: dict[tuple[float, ...], Simulator | LamcError] = {}
         self._slow = [k for k, target in enumerate(subject.targets) if target.kind in SLOW]
+        # The cache keeps what all points share; notes of single ones would be thousands of files that nobody reads.
+        self._cache = Cache(cache_root(), passing=bool(self._slow))
 
     def row(self, index: int, point: Sequence[float]) -> Row:
         """Raises KeyboardInterrupt if the run is cancelled."""
@@ -207,9 +209,7 @@ class Bench:
             design = mechanism
         if scene is not None:
             scene = started(scene, by_kind["angle"], by_kind["rate"])
-        # The cache keeps what all points share; notes of single ones would be thousands of files that nobody reads.
-        cache = Cache(cache_root(), passing=bool(self._slow))
-        return compile_design(design, scene, subject.options, cache=cache)
+        return compile_design(design, scene, subject.options, cache=self._cache)
 
 
 def without_values(index: int, status: str, reason: str, count: int) -> Row:

@@ -18,11 +18,13 @@
 enum { MOST_LANES = 8, ALIGNMENT = 64 };
 
 typedef struct lane {
-  lamc_motion motion;
+  lamc_motion motion; /* the first: a run's context is the lane too */
   lamc_run run;
   lamc_rows rows;
   lamc_real *run_work;
   long long instance; /* -1: none */
+  int is_settled;     /* 1: what must hold after a step was brought about side by side */
+  lamc_real moved;    /* by that */
 } lane;
 
 /* What one thread works with */
@@ -143,6 +145,14 @@ static int is_over(const lamc_ensemble *e, lane *l, lamc_status status) {
   return 1;
 }
 
+/* lamc_ode.settle of a motion in a lane */
+static lamc_status settle(const void *context, lamc_real t, lamc_real *y, lamc_real *moved) {
+  const lane *l = (const lane *)context;
+  if (!l->is_settled) return lamc_motion_settle(&l->motion, t, y, moved);
+  *moved = l->moved;
+  return LAMC_OK;
+}
+
 /* The run of instance k from its start */
 static lamc_status start(const lamc_ensemble *e, lane *l, long long k) {
   const lamc_model *model = e->model;
@@ -154,7 +164,8 @@ static lamc_status start(const lamc_ensemble *e, lane *l, long long k) {
   l->rows.y = e->y + k * e->row_count * n;
   l->rows.capacity = e->row_count;
   l->rows.count = 0;
-  const lamc_ode ode = plain_ode(&l->motion);
+  lamc_ode ode = plain_ode(&l->motion);
+  if (ode.settle != NULL) ode.settle = settle;
   return lamc_run_start(&l->run, &ode, e->method, &e->options, 0, e->starts + k * e->start_stride, e->t_end,
                         e->t_eval, e->row_count, l->run_work);
 }
@@ -181,7 +192,7 @@ static int has_rows(const lamc_run *run) {
 
 /* Whether all that the run will be asked for within the step is its continuous extension, which takes evaluations */
 static int wants_dense(const lamc_run *run) {
-  return has_rows(run) && run->method == LAMC_DOP853 && run->ode.guard_count == 0 && run->ode.settle == NULL;
+  return has_rows(run) && run->method == LAMC_DOP853 && run->ode.guard_count == 0;
 }
 
 /* Decides on the step just tried in lane k, up to dy/dt where it led. 1: that is still to be evaluated */
@@ -189,8 +200,10 @@ static int land(bench *b, int k, int is_beside) {
   lamc_run *run = &b->lanes[k]->run;
   int wants_slope = 0;
   b->taken[k] = lamc_run_land(run, b->h[k], b->is_last[k], b->squared[k], &wants_slope);
+  b->lanes[k]->is_settled = 0;
   if (b->taken[k] != LAMC_OK) return 0;
-  const int all = run->ode.guard_count > 0 || (has_rows(run) && !wants_dense(run));
+  const int may_be_odd = run->ode.settle != NULL; /* and then has to work out its continuous extension itself */
+  const int all = run->ode.guard_count > 0 || (has_rows(run) && (may_be_odd || !wants_dense(run)));
   if (is_beside && (run->watch.is_auto || all)) b->steps->give_stages(b->block, run->method, k, run, all);
   return wants_slope;
 }
@@ -248,6 +261,24 @@ static int gather(bench *b, int *which) {
   return count;
 }
 
+/* What must hold where the attempt led, in the lanes that will be accepted */
+static void settle_beside(bench *b) {
+  lamc_run *wanting[MOST_LANES] = {NULL};
+  lamc_real t[MOST_LANES] = {0}, moved[MOST_LANES] = {0};
+  int count = 0, done[MOST_LANES] = {0};
+  for (int k = 0; k < b->width; k++) {
+    if (b->runs[k] == NULL || !(b->squared[k] <= 1.0)) continue;
+    wanting[k] = b->runs[k];
+    t[k] = b->is_last[k] ? b->e->t_end : b->runs[k]->t + b->h[k];
+    count++;
+  }
+  if (count > 0) b->steps->settle(b->block, wanting, t, moved, done);
+  for (int k = 0; k < b->width; k++) {
+    b->lanes[k]->is_settled = done[k];
+    b->lanes[k]->moved = moved[k];
+  }
+}
+
 /* The step of all lanes that `gather` found */
 static void step_beside(bench *b, int which) {
   for (int k = 0; k < b->width; k++) {
@@ -256,6 +287,7 @@ static void step_beside(bench *b, int which) {
     b->runs[k]->steps++;
   }
   b->steps->attempt(b->block, which, b->runs, b->h, b->squared);
+  if (b->steps->settle != NULL) settle_beside(b);
   int count = 0;
   lamc_run *wanting[MOST_LANES] = {NULL};
   for (int k = 0; k < b->width; k++) {
@@ -274,7 +306,7 @@ static void step_beside(bench *b, int which) {
     dense[k] = b->runs[k];
     count++;
   }
-  if (count > 0) b->steps->dense(b->block, dense);
+  if (count > 0) b->steps->dense(b->block, dense, b->has_dense);
   for (int k = 0; k < b->width; k++) {
     if (b->runs[k] != NULL) conclude(b, k);
   }

@@ -10,6 +10,9 @@
 #include "lane_numbers.h"
 #include "lanes.h"
 #include "rk45.h"
+#if HAS_LOOPS
+#include "lane_loops.h"
+#endif
 
 enum {
   N = NQ + NU,
@@ -26,6 +29,9 @@ typedef struct lane_block {
   lanes s[N + 1]; /* argument of the stage being evaluated */
 #if HAS_SYSTEM
   lanes raw[NU * (NU + 1) / 2 + NU + 1], l[NU * NU + 1];
+#endif
+#if HAS_LOOPS
+  lane_loops loops;
 #endif
 } lane_block;
 
@@ -56,19 +62,37 @@ static void lane_solve(const lanes *m, lanes *l, lanes *x) {
 }
 #endif
 
-static void lane_rhs(lane_block *b, lanes t, const lanes *y, lanes *dydt) {
+/* dy/dt; the lanes where it is to be had from the run alone */
+static lane_bits lane_try_rhs(lane_block *b, lanes t, const lanes *y, lanes *dydt) {
+  lane_bits odd = {0};
 #if HAS_RATES
   lane_rates(b->c, y, y + NQ, dydt);
 #else
   for (int i = 0; i < NU; i++) dydt[i] = y[NQ + i];
 #endif
-#if HAS_SYSTEM
+#if HAS_LOOPS
+  odd = lane_accelerate(&b->loops, b->c, t, y, dydt + NQ);
+#elif HAS_SYSTEM
   lane_system(b->c, t, y, y + NQ, b->raw);
   lane_solve(b->raw, b->l, b->raw + NU * (NU + 1) / 2);
   for (int i = 0; i < NU; i++) dydt[NQ + i] = b->raw[NU * (NU + 1) / 2 + i];
 #else
   lane_acceleration(b->c, t, y, y + NQ, dydt + NQ);
 #endif
+  return odd;
+}
+
+/* dy/dt of every lane that has a run */
+static void lane_rhs(lane_block *b, lamc_run *const *runs, lanes t, const lanes *y, lanes *dydt) {
+  const lane_bits odd = lane_try_rhs(b, t, y, dydt);
+  if (!HAS_LOOPS || !lane_any(odd)) return;
+  for (int k = 0; k < LAMC_LANES; k++) {
+    lamc_real own[N + 1], slope[N + 1];
+    if (runs[k] == NULL || odd[k] == 0) continue;
+    for (int i = 0; i < N; i++) own[i] = y[i][k];
+    runs[k]->ode.rhs(runs[k]->ode.context, t[k], own, slope);
+    for (int i = 0; i < N; i++) dydt[i][k] = slope[i];
+  }
 }
 
 /* ---- Between runs and lanes ---------------------------------------------------------------------------------- */
@@ -94,7 +118,7 @@ static void lane_slope(lamc_real *block, lamc_run *const *runs) {
     t[k] = runs[k]->t;
     if (runs[k]->ode.settle != NULL) lane_put(b->y_new, k, y_here(runs[k]));
   }
-  lane_rhs(b, t, b->y_new, b->k[END]);
+  lane_rhs(b, runs, t, b->y_new, b->k[END]);
   for (int k = 0; k < LAMC_LANES; k++) {
     if (runs[k] == NULL) continue;
     runs[k]->evaluations++;
@@ -124,9 +148,10 @@ LAMC_LANE_FUNCTION void lane_argument(const lane_block *b, int row, lanes h, lan
   for (int i = 0; i < N; i++) out[i] = b->y[i] + h * lane_sum(b, DOP853_A[row], row, i);
 }
 
-static void lane_dop853(lane_block *b, const lamc_run *run, lanes t, lanes h, lamc_real *squared) {
-  const lamc_real atol = floor_of_scale(run), rtol = run->options.rtol;
-#define STAGE(row) lane_argument(b, row, h, b->s), lane_rhs(b, t + DOP853_C[row] * h, b->s, b->k[row - 1])
+static void lane_dop853(lane_block *b, lamc_run *const *runs, const lamc_run *any, lanes t, lanes h,
+                        lamc_real *squared) {
+  const lamc_real atol = floor_of_scale(any), rtol = any->options.rtol;
+#define STAGE(row) lane_argument(b, row, h, b->s), lane_rhs(b, runs, t + DOP853_C[row] * h, b->s, b->k[row - 1])
   STAGE(1);
   STAGE(2);
   STAGE(3);
@@ -158,20 +183,22 @@ static void lane_dop853(lane_block *b, const lamc_run *run, lanes t, lanes h, la
 }
 
 /* The continuous extension of the step just taken, and where runs look for it: make_dense of dop853.c */
-static void lane_dense(lamc_real *block, lamc_run *const *runs) {
+static void lane_dense(lamc_real *block, lamc_run *const *runs, int *done) {
   lane_block *b = (lane_block *)(void *)block;
   lanes t = {0}, h = {0};
+  lane_bits odd = {0};
   for (int k = 0; k < LAMC_LANES; k++) {
     if (runs[k] == NULL) continue;
     t[k] = runs[k]->t_old;
     h[k] = runs[k]->h_last;
   }
   lane_argument(b, 13, h, b->s);
-  lane_rhs(b, t + DOP853_C[13] * h, b->s, b->k[13]);
+  odd |= lane_try_rhs(b, t + DOP853_C[13] * h, b->s, b->k[13]);
   lane_argument(b, 14, h, b->s);
-  lane_rhs(b, t + DOP853_C[14] * h, b->s, b->k[14]);
+  odd |= lane_try_rhs(b, t + DOP853_C[14] * h, b->s, b->k[14]);
   lane_argument(b, 15, h, b->s);
-  lane_rhs(b, t + DOP853_C[15] * h, b->s, b->k[15]);
+  odd |= lane_try_rhs(b, t + DOP853_C[15] * h, b->s, b->k[15]);
+  for (int k = 0; k < LAMC_LANES; k++) done[k] = runs[k] != NULL && odd[k] == 0;
   for (int i = 0; i < N; i++) {
     const lanes change = b->y_new[i] - b->y[i], begin = b->k[BEGIN][i], end = b->k[END][i];
     const lanes terms[7] = {
@@ -184,7 +211,7 @@ static void lane_dense(lamc_real *block, lamc_run *const *runs) {
         lane_sum(b, DOP853_D[3], SLOPES, i),
     };
     for (int k = 0; k < LAMC_LANES; k++) {
-      for (int j = 0; runs[k] != NULL && j < 7; j++)
+      for (int j = 0; done[k] && j < 7; j++)
         slot(runs[k], SLOT_OWN + DOP853_DENSE + j)[i] = terms[j][k];
     }
   }
@@ -192,27 +219,28 @@ static void lane_dense(lamc_real *block, lamc_run *const *runs) {
 
 /* ---- RK45 ---------------------------------------------------------------------------------------------------- */
 
-static void lane_rk45(lane_block *b, const lamc_run *run, lanes t, lanes h, lamc_real *squared) {
-  const lamc_real atol = floor_of_scale(run), rtol = run->options.rtol;
+static void lane_rk45(lane_block *b, lamc_run *const *runs, const lamc_run *any, lanes t, lanes h,
+                      lamc_real *squared) {
+  const lamc_real atol = floor_of_scale(any), rtol = any->options.rtol;
   const lanes *y = b->y, *k1 = b->k[BEGIN], *k7 = b->k[END];
   lanes *k2 = b->k[0], *k3 = b->k[1], *k4 = b->k[2], *k5 = b->k[3], *k6 = b->k[4], *s = b->s;
   for (int i = 0; i < N; i++) s[i] = y[i] + h * (RK45_A21 * k1[i]);
-  lane_rhs(b, t + RK45_C2 * h, s, k2);
+  lane_rhs(b, runs, t + RK45_C2 * h, s, k2);
   for (int i = 0; i < N; i++) s[i] = y[i] + h * (RK45_A31 * k1[i] + RK45_A32 * k2[i]);
-  lane_rhs(b, t + RK45_C3 * h, s, k3);
+  lane_rhs(b, runs, t + RK45_C3 * h, s, k3);
   for (int i = 0; i < N; i++) s[i] = y[i] + h * (RK45_A41 * k1[i] + RK45_A42 * k2[i] + RK45_A43 * k3[i]);
-  lane_rhs(b, t + RK45_C4 * h, s, k4);
+  lane_rhs(b, runs, t + RK45_C4 * h, s, k4);
   for (int i = 0; i < N; i++)
     s[i] = y[i] + h * (RK45_A51 * k1[i] + RK45_A52 * k2[i] + RK45_A53 * k3[i] + RK45_A54 * k4[i]);
-  lane_rhs(b, t + RK45_C5 * h, s, k5);
+  lane_rhs(b, runs, t + RK45_C5 * h, s, k5);
   for (int i = 0; i < N; i++)
     s[i] = y[i] +
            h * (RK45_A61 * k1[i] + RK45_A62 * k2[i] + RK45_A63 * k3[i] + RK45_A64 * k4[i] + RK45_A65 * k5[i]);
-  lane_rhs(b, t + h, s, k6);
+  lane_rhs(b, runs, t + h, s, k6);
   for (int i = 0; i < N; i++)
     b->y_new[i] =
         y[i] + h * (RK45_B1 * k1[i] + RK45_B3 * k3[i] + RK45_B4 * k4[i] + RK45_B5 * k5[i] + RK45_B6 * k6[i]);
-  lane_rhs(b, t + h, b->y_new, b->k[END]);
+  lane_rhs(b, runs, t + h, b->y_new, b->k[END]);
   lanes sum[LANES] = {{0}}, size[LANES] = {{0}}; /* LANES sums, as rk45.c has them */
   for (int i = 0; i < N; i++) {
     const lanes error = RK45_E1 * k1[i] + RK45_E3 * k3[i] + RK45_E4 * k4[i] + RK45_E5 * k5[i] +
@@ -243,9 +271,9 @@ static void lane_attempt(lamc_real *block, int which, lamc_run *const *runs, con
     lane_put(b->k[BEGIN], k, slope_here(runs[k]));
   }
   if (which == LAMC_DOP853) {
-    lane_dop853(b, any, t, steps, squared);
+    lane_dop853(b, runs, any, t, steps, squared);
   } else {
-    lane_rk45(b, any, t, steps, squared);
+    lane_rk45(b, runs, any, t, steps, squared);
   }
   for (int k = 0; k < LAMC_LANES; k++) {
     if (runs[k] == NULL) continue;
@@ -262,12 +290,36 @@ static void lane_give_stages(const lamc_real *block, int which, int lane, lamc_r
   lane_take(b->s, lane, slot(run, SLOT_STAGE));
 }
 
+#if HAS_LOOPS
+static void lane_settle(lamc_real *block, lamc_run *const *runs, const lamc_real *t, lamc_real *moved,
+                        int *done) {
+  lane_block *b = (lane_block *)(void *)block;
+  lanes at = {0}, way;
+  lane_bits wanted = {0};
+  for (int k = 0; k < LAMC_LANES; k++) {
+    if (runs[k] == NULL) continue;
+    at[k] = t[k];
+    wanted[k] = -1;
+  }
+  const lane_bits settled = lane_settle_loops(&b->loops, b->c, at, wanted, b->y_new, &way);
+  for (int k = 0; k < LAMC_LANES; k++) {
+    done[k] = settled[k] != 0;
+    if (!done[k]) continue;
+    moved[k] = way[k];
+    lane_take(b->y_new, k, y_there(runs[k]));
+    lane_remember((const lamc_motion *)runs[k]->ode.context);
+  }
+}
+#else
+#define lane_settle NULL
+#endif
+
 const lamc_lane_steps *lamc_this_lanes(void) {
   static const lamc_lane_steps steps = {
       LAMC_LANES,          sizeof(lane_block) / sizeof(lamc_real),
       lane_take_constants, lane_attempt,
       lane_give_stages,    lane_slope,
-      lane_dense,
+      lane_dense,          lane_settle,
   };
   return &steps;
 }

@@ -202,7 +202,8 @@ static int land(bench *b, int k, int is_beside) {
   b->taken[k] = lamc_run_land(run, b->h[k], b->is_last[k], b->squared[k], &wants_slope);
   b->lanes[k]->is_settled = 0;
   if (b->taken[k] != LAMC_OK) return 0;
-  const int may_be_odd = run->ode.settle != NULL; /* and then has to work out its continuous extension itself */
+  const int may_be_odd =
+      run->ode.settle != NULL; /* and then has to work out its continuous extension itself */
   const int all = run->ode.guard_count > 0 || (has_rows(run) && (may_be_odd || !wants_dense(run)));
   if (is_beside && (run->watch.is_auto || all)) b->steps->give_stages(b->block, run->method, k, run, all);
   return wants_slope;

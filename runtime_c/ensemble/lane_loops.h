@@ -20,7 +20,7 @@ enum {
   GOALS = 2, /* phi or gamma; rates that open the loops */
   WIDTH = NU + GOALS,
   COLUMNS = 1 << 4, /* a place in J is COLUMNS * row + column */
-  ROUNDS = 8    /* MAX_ITERATIONS */
+  ROUNDS = 8        /* MAX_ITERATIONS */
 };
 
 typedef struct lane_loops {
@@ -69,8 +69,7 @@ LAMC_LANE_FUNCTION void lane_normalise(lane_loops *p, const lanes *c, lanes *j, 
   const lanes least = lane_larger(OF_MISFIT * (c[NC - 1] / c[NC - 2]), EACH(NO_EQUATION));
   for (int i = 0; i < NM; i++) {
     lanes norm = {0};
-    for (int e = LANE_ROW_START[i]; e < LANE_ROW_START[i + 1]; e++)
-      norm = lane_larger(lane_fabs(j[e]), norm);
+    for (int e = LANE_ROW_START[i]; e < LANE_ROW_START[i + 1]; e++) norm = lane_larger(lane_fabs(j[e]), norm);
     const lane_bits is_plain = (lane_bits)(norm > 0.25) & (lane_bits)(norm < 4.0);
     p->norms[i] = EACH(1.0);
     if (!lane_any(~is_plain)) continue;
@@ -260,8 +259,7 @@ LAMC_LANE_FUNCTION lanes lane_openness(const lane_loops *p) {
   lanes most = {0};
   for (int i = 0; i < NM; i++) {
     const lanes gap = lane_fabs(p->closure[i]) * p->norms[i];
-    const lanes fading =
-        lane_pick((lane_bits)(p->norms[i] < 1.0), p->norms[i] * p->last, p->last);
+    const lanes fading = lane_pick((lane_bits)(p->norms[i] < 1.0), p->norms[i] * p->last, p->last);
     const lanes enough = OUT_OF_NOTHING * fading * fading;
     const lanes least = lane_larger(enough, EACH(EXACT));
     const lanes off = gap / lane_pick((lane_bits)(enough > CLOSED), EACH(CLOSED), least);

@@ -151,7 +151,8 @@ LAMC_LANE_FUNCTION void lane_argument(const lane_block *b, int row, lanes h, lan
 static void lane_dop853(lane_block *b, lamc_run *const *runs, const lamc_run *any, lanes t, lanes h,
                         lamc_real *squared) {
   const lamc_real atol = floor_of_scale(any), rtol = any->options.rtol;
-#define STAGE(row) lane_argument(b, row, h, b->s), lane_rhs(b, runs, t + DOP853_C[row] * h, b->s, b->k[row - 1])
+#define STAGE(row)                                                                                           \
+  lane_argument(b, row, h, b->s), lane_rhs(b, runs, t + DOP853_C[row] * h, b->s, b->k[row - 1])
   STAGE(1);
   STAGE(2);
   STAGE(3);
@@ -211,8 +212,7 @@ static void lane_dense(lamc_real *block, lamc_run *const *runs, int *done) {
         lane_sum(b, DOP853_D[3], SLOPES, i),
     };
     for (int k = 0; k < LAMC_LANES; k++) {
-      for (int j = 0; done[k] && j < 7; j++)
-        slot(runs[k], SLOT_OWN + DOP853_DENSE + j)[i] = terms[j][k];
+      for (int j = 0; done[k] && j < 7; j++) slot(runs[k], SLOT_OWN + DOP853_DENSE + j)[i] = terms[j][k];
     }
   }
 }

@@ -1,4 +1,4 @@
-"""Ensembles of mechanisms with loops: each instance is the run by itself, beside singular positions and at impacts too."""
+"""Ensembles of mechanisms with loops: each instance is the run by itself, beside singular positions and at impacts."""
 
 from dataclasses import replace
 from typing import Any
@@ -15,6 +15,7 @@ from lamc.run.request import Status
 from lamc.run.simulator import Simulator
 from tests.physics.test_simultaneous_impacts import DROPPED, five_bar
 from tests.support.ensembles import assert_alike, spread
+from tests.support.mechanisms import ALL_PASSIVE
 from tests.support.quick import tries
 
 SMALL = (
@@ -114,7 +115,7 @@ def test_loops_on_a_base_that_floats_are_runs_by_themselves() -> None:
         replace(body, mass=2e-3, inertia=1e-6 * np.eye(3)) if body.fixed else body for body in drawn.bodies
     )
     mechanism = replace(drawn, bodies=heavy)
-    sim = lamc.compile(mechanism, replace(scene, effects=(*scene.effects, lamc.FreeBase())))
+    sim = lamc.compile(mechanism, replace(scene, effects=(*ALL_PASSIVE, lamc.FreeBase())))
     assert (len(sim.coordinates), len(sim.rates)) == (11, 10)
     parameters = spread(sim, 9, 1)
     how = {"t_end": 0.3, "rtol": 1e-7, "integrator": "dop853"}

@@ -62,16 +62,23 @@ static void lane_solve(const lanes *m, lanes *l, lanes *x) {
 }
 #endif
 
-/* dy/dt; the lanes where it is to be had from the run alone */
-static lane_bits lane_try_rhs(lane_block *b, lanes t, const lanes *y, lanes *dydt) {
-  lane_bits odd = {0};
+/* dy/dt of every lane that has a run; the lanes where it is to be had from the run alone */
+static lane_mask lane_try_rhs(lane_block *b, lamc_run *const *runs, lanes t, const lanes *y, lanes *dydt) {
+  lane_mask odd = {0};
 #if HAS_RATES
   lane_rates(b->c, y, y + NQ, dydt);
 #else
   for (int i = 0; i < NU; i++) dydt[i] = y[NQ + i];
 #endif
 #if HAS_LOOPS
-  odd = lane_accelerate(&b->loops, b->c, t, y, dydt + NQ);
+  lane_mask busy = {0}, settled;
+  for (int k = 0; k < LAMC_LANES; k++) {
+    if (runs[k] != NULL) lane_add(&busy, k);
+  }
+  odd = lane_accelerate(&b->loops, b->c, t, y, busy, dydt + NQ, &settled);
+  for (int k = 0; k < LAMC_LANES && lane_some(settled); k++) {
+    if (lane_has(settled, k) && !lane_has(odd, k)) lane_remember((const lamc_motion *)runs[k]->ode.context);
+  }
 #elif HAS_SYSTEM
   lane_system(b->c, t, y, y + NQ, b->raw);
   lane_solve(b->raw, b->l, b->raw + NU * (NU + 1) / 2);
@@ -79,16 +86,17 @@ static lane_bits lane_try_rhs(lane_block *b, lanes t, const lanes *y, lanes *dyd
 #else
   lane_acceleration(b->c, t, y, y + NQ, dydt + NQ);
 #endif
+  (void)runs;
   return odd;
 }
 
 /* dy/dt of every lane that has a run */
 static void lane_rhs(lane_block *b, lamc_run *const *runs, lanes t, const lanes *y, lanes *dydt) {
-  const lane_bits odd = lane_try_rhs(b, t, y, dydt);
-  if (!HAS_LOOPS || !lane_any(odd)) return;
+  const lane_mask odd = lane_try_rhs(b, runs, t, y, dydt);
+  if (!lane_some(odd)) return;
   for (int k = 0; k < LAMC_LANES; k++) {
     lamc_real own[N + 1], slope[N + 1];
-    if (runs[k] == NULL || odd[k] == 0) continue;
+    if (!lane_has(odd, k)) continue;
     for (int i = 0; i < N; i++) own[i] = y[i][k];
     runs[k]->ode.rhs(runs[k]->ode.context, t[k], own, slope);
     for (int i = 0; i < N; i++) dydt[i][k] = slope[i];
@@ -187,19 +195,19 @@ static void lane_dop853(lane_block *b, lamc_run *const *runs, const lamc_run *an
 static void lane_dense(lamc_real *block, lamc_run *const *runs, int *done) {
   lane_block *b = (lane_block *)(void *)block;
   lanes t = {0}, h = {0};
-  lane_bits odd = {0};
+  lane_mask odd = {0};
   for (int k = 0; k < LAMC_LANES; k++) {
     if (runs[k] == NULL) continue;
     t[k] = runs[k]->t_old;
     h[k] = runs[k]->h_last;
   }
   lane_argument(b, 13, h, b->s);
-  odd |= lane_try_rhs(b, t + DOP853_C[13] * h, b->s, b->k[13]);
+  odd |= lane_try_rhs(b, runs, t + DOP853_C[13] * h, b->s, b->k[13]);
   lane_argument(b, 14, h, b->s);
-  odd |= lane_try_rhs(b, t + DOP853_C[14] * h, b->s, b->k[14]);
+  odd |= lane_try_rhs(b, runs, t + DOP853_C[14] * h, b->s, b->k[14]);
   lane_argument(b, 15, h, b->s);
-  odd |= lane_try_rhs(b, t + DOP853_C[15] * h, b->s, b->k[15]);
-  for (int k = 0; k < LAMC_LANES; k++) done[k] = runs[k] != NULL && odd[k] == 0;
+  odd |= lane_try_rhs(b, runs, t + DOP853_C[15] * h, b->s, b->k[15]);
+  for (int k = 0; k < LAMC_LANES; k++) done[k] = runs[k] != NULL && !lane_has(odd, k);
   for (int i = 0; i < N; i++) {
     const lanes change = b->y_new[i] - b->y[i], begin = b->k[BEGIN][i], end = b->k[END][i];
     const lanes terms[7] = {
@@ -295,15 +303,15 @@ static void lane_settle(lamc_real *block, lamc_run *const *runs, const lamc_real
                         int *done) {
   lane_block *b = (lane_block *)(void *)block;
   lanes at = {0}, way;
-  lane_bits wanted = {0};
+  lane_mask wanted = {0};
   for (int k = 0; k < LAMC_LANES; k++) {
     if (runs[k] == NULL) continue;
     at[k] = t[k];
-    wanted[k] = -1;
+    lane_add(&wanted, k);
   }
-  const lane_bits settled = lane_settle_loops(&b->loops, b->c, at, wanted, b->y_new, &way);
+  const lane_mask settled = lane_settle_loops(&b->loops, b->c, at, wanted, b->y_new, &way);
   for (int k = 0; k < LAMC_LANES; k++) {
-    done[k] = settled[k] != 0;
+    done[k] = lane_has(settled, k);
     if (!done[k]) continue;
     moved[k] = way[k];
     lane_take(b->y_new, k, y_there(runs[k]));

@@ -78,8 +78,6 @@ def ensemble_of(
 def _why_alone(simulator: "Simulator") -> str:
     """As the module was made; without the program, which would be derived anew where all came from the cache."""
     precision = "float" if "-DLAMC_FLOAT" in simulator.lanes.flags else "double"
-    if simulator.model.series:
-        return "inputs follow series, which each run looks up at times of its own"
     model = simulator.lanes.lib.lamc_this_model()
     is_large = bool(simulator.cut_joints) and (
         model.pattern.step_count > 0

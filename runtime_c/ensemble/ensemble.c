@@ -190,9 +190,14 @@ static int has_rows(const lamc_run *run) {
   return run->t_eval_next < run->t_eval_count && run->t_eval[run->t_eval_next] < run->t;
 }
 
+/* Whether the step has come to a break, behind which the equation is another one: the run then asks for what lies before */
+static int has_break(const lamc_run *run) {
+  return run->next_break < run->ode.break_count && run->t >= run->ode.breaks[run->next_break];
+}
+
 /* Whether all that the run will be asked for within the step is its continuous extension, which takes evaluations */
 static int wants_dense(const lamc_run *run) {
-  return has_rows(run) && run->method == LAMC_DOP853 && run->ode.guard_count == 0;
+  return has_rows(run) && run->method == LAMC_DOP853 && run->ode.guard_count == 0 && !has_break(run);
 }
 
 /* Decides on the step just tried in lane k, up to dy/dt where it led. 1: that is still to be evaluated */
@@ -204,7 +209,8 @@ static int land(bench *b, int k, int is_beside) {
   if (b->taken[k] != LAMC_OK) return 0;
   const int may_be_odd =
       run->ode.settle != NULL; /* and then has to work out its continuous extension itself */
-  const int all = run->ode.guard_count > 0 || (has_rows(run) && (may_be_odd || !wants_dense(run)));
+  const int all =
+      run->ode.guard_count > 0 || has_break(run) || (has_rows(run) && (may_be_odd || !wants_dense(run)));
   if (is_beside && (run->watch.is_auto || all)) b->steps->give_stages(b->block, run->method, k, run, all);
   return wants_slope;
 }
@@ -270,7 +276,7 @@ static void settle_beside(bench *b) {
   for (int k = 0; k < b->width; k++) {
     if (b->runs[k] == NULL || !(b->squared[k] <= 1.0)) continue;
     wanting[k] = b->runs[k];
-    t[k] = b->is_last[k] ? b->e->t_end : b->runs[k]->t + b->h[k];
+    t[k] = b->is_last[k] ? lamc_run_stop(b->runs[k]) : b->runs[k]->t + b->h[k];
     count++;
   }
   if (count > 0) b->steps->settle(b->block, wanting, t, moved, done);

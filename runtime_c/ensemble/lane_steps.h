@@ -10,6 +10,7 @@
 #include "lane_numbers.h"
 #include "lanes.h"
 #include "rk45.h"
+#include "series.h"
 #if HAS_LOOPS
 #include "lane_loops.h"
 #endif
@@ -19,7 +20,8 @@ enum {
   STAGES = 11, /* slopes between the ends of a step: 2 to 12 of DOP853, 2 to 6 of RK45 */
   BEGIN = 11,  /* in `k`: the slope where the step begins */
   END = 12,    /* where it leads; three more of DOP853's continuous extension */
-  SLOPES = 16
+  SLOPES = 16,
+  SERIES = SERIES_COUNT * LAMC_SERIES_ORDERS /* constants that inputs over time have */
 };
 
 typedef struct lane_block {
@@ -62,6 +64,16 @@ static void lane_solve(const lanes *m, lanes *l, lanes *x) {
 }
 #endif
 
+/* What inputs that follow a series are at the time of each lane, into its constants */
+LAMC_LANE_FUNCTION void lane_put_series(lane_block *b, lamc_run *const *runs, lanes t) {
+  for (int k = 0; SERIES > 0 && k < LAMC_LANES; k++) {
+    if (runs[k] == NULL) continue;
+    const lamc_motion *motion = (const lamc_motion *)runs[k]->ode.context;
+    lamc_series_put(motion, t[k]);
+    for (int i = 0; i < SERIES; i++) b->c[i][k] = motion->constants[i];
+  }
+}
+
 /* dy/dt of every lane that has a run; the lanes where it is to be had from the run alone */
 static lane_mask lane_try_rhs(lane_block *b, lamc_run *const *runs, lanes t, const lanes *y, lanes *dydt) {
   lane_mask odd = {0};
@@ -70,6 +82,7 @@ static lane_mask lane_try_rhs(lane_block *b, lamc_run *const *runs, lanes t, con
 #else
   for (int i = 0; i < NU; i++) dydt[i] = y[NQ + i];
 #endif
+  lane_put_series(b, runs, t);
 #if HAS_LOOPS
   lane_mask busy = {0}, settled;
   for (int k = 0; k < LAMC_LANES; k++) {
@@ -86,7 +99,6 @@ static lane_mask lane_try_rhs(lane_block *b, lamc_run *const *runs, lanes t, con
 #else
   lane_acceleration(b->c, t, y, y + NQ, dydt + NQ);
 #endif
-  (void)runs;
   return odd;
 }
 
@@ -309,6 +321,7 @@ static void lane_settle(lamc_real *block, lamc_run *const *runs, const lamc_real
     at[k] = t[k];
     lane_add(&wanted, k);
   }
+  lane_put_series(b, runs, at);
   const lane_mask settled = lane_settle_loops(&b->loops, b->c, at, wanted, b->y_new, &way);
   for (int k = 0; k < LAMC_LANES; k++) {
     done[k] = lane_has(settled, k);

@@ -124,6 +124,25 @@ def test_loops_on_a_base_that_floats_are_runs_by_themselves() -> None:
     assert_alike(sim, many, parameters, **how)
 
 
+@pytest.mark.parametrize("hold", ["previous", "cubic"])
+@pytest.mark.parametrize("effects", [(), (lamc.JointLimits(restitution=0.7),)], ids=["free", "impacts"])
+def test_loops_that_a_series_drives_are_runs_by_themselves(hold: str, effects: tuple[Any, ...]) -> None:
+    """Steps end where the series jumps, each instance's at lengths of its own; rows lie there and between."""
+    series = lamc.Series(np.linspace(0.0, 0.25, 6), 1e-3 * np.array([0.0, 1.0, -2.0, 1.5, 0.5, 0.0]), hold)
+    scene = lamc.Scene(
+        effects=(DROPPED, lamc.Torque({"j0": "command"}), *effects),
+        inputs={"command": lamc.Input(unit="N*m", series=series)},
+        rates={"j0": -4.0, "j4": -3.0},
+    )
+    sim = lamc.compile(five_bar(), scene)
+    parameters = {"l0.mass": np.linspace(0.001, 0.004, 11)}
+    how = {"t_end": 0.2, "rtol": 1e-7, "integrator": "dop853"}
+    many = sim.ensemble(t_eval=np.linspace(0.0, 0.2, 17), parameters=parameters, **how)
+    assert many.stats.lanes in (2, 4, 8)
+    assert bool(many.stats.events.min() > 0) is bool(effects)
+    assert_alike(sim, many, parameters, **how)
+
+
 @pytest.mark.parametrize("name", LARGE)
 def test_large_loops_run_one_after_the_other_and_say_so(name: str) -> None:
     sim = example(name)

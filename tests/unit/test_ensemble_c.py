@@ -11,6 +11,7 @@ from lamc.codegen.emit_lanes import emit_lanes
 from lamc.codegen.options import MACHINE
 from lamc.commands.examples import mechanism_of_example
 from lamc.examples import find
+from lamc.export.series import recording_of
 from lamc.run.request import Array
 from lamc.run.simulator import Simulator
 from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, output_of
@@ -96,7 +97,11 @@ int main(void) {{
 
 def made(folder: Path, name: str, method: str) -> SourceTree:
     """The files of an ensemble in `folder`, with `try.c`, the program above."""
-    if name in LOOPS:
+    recording = None
+    if name == "series":
+        sim = lamc.compile(chain(3), driven())
+        recording = recording_of(sim, lamc.ExportOptions())
+    elif name in LOOPS:
         mechanism = mechanism_of_example(find(name))
         sim = lamc.compile(mechanism, mechanism.scene or lamc.Scene())
     elif name == "tree":
@@ -106,12 +111,21 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
     else:
         effects = (SAMPLES["gravity"], *((SAMPLES[name],) if name != "gravity" else ()))
         sim = lamc.compile(two_links(), lamc.Scene(effects=effects))
-    tree = emit_lanes(sim.program, emit(sim.program))
+    tree = emit_lanes(sim.program, emit(sim.program, recording=recording))
     for file, text in tree.files.items():
         (folder / file).write_text(text)
     starts = ", ".join(map(repr, starts_of(sim).ravel().tolist()))
     (folder / "try.c").write_text(MAIN.format(prefix=tree.prefix, method=method, starts=starts))
     return tree
+
+
+def driven() -> lamc.Scene:
+    """A torque that follows a series with kinks and jumps."""
+    series = lamc.Series([0.0, 0.03, 0.11, 0.12, 0.19, 0.3], [0.0, 0.1, -0.2, 0.1, 0.0, 0.2], "previous")
+    torque = lamc.Torque({chain(3).joints[0].name: "command"})
+    return lamc.Scene(
+        effects=(*ALL_PASSIVE, torque), inputs={"command": lamc.Input(unit="N*m", series=series)}
+    )
 
 
 def starts_of(sim: Simulator) -> Array:
@@ -133,7 +147,7 @@ def units(tree: SourceTree) -> list[str]:
 @needs_cc
 @pytest.mark.quick("DOP853-ground_contact")
 @pytest.mark.parametrize(
-    "name", ["tree", "ground_contact", "nonlinear_stiffness", "free_base", "joint_limits", *LOOPS]
+    "name", ["tree", "ground_contact", "nonlinear_stiffness", "free_base", "joint_limits", "series", *LOOPS]
 )
 @pytest.mark.parametrize("method", ["DOP853", "RK45"])
 def test_sanitizers_find_nothing_and_lanes_give_the_bits_of_one(

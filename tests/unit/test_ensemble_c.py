@@ -195,8 +195,11 @@ def test_the_c_of_a_model_is_the_same_with_lanes_beside_it() -> None:
         f"{tree.prefix}_lanes.c",
         "ensemble.c",
         "lamc_ensemble.h",
+        "ensemble_work.h",
         "lane_loops.h",
         "lane_numbers.h",
+        "lane_pivots.h",
+        "lane_slopes.h",
         "lane_steps.h",
         "lanes.h",
     }

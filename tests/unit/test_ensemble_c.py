@@ -8,7 +8,7 @@ import pytest
 import lamc
 from lamc.codegen.emit import SourceTree, emit
 from lamc.codegen.emit_lanes import emit_lanes
-from lamc.codegen.options import MACHINE
+from lamc.codegen.options import MACHINE, MOST_RATES_IN_LOOPS
 from lamc.commands.examples import mechanism_of_example
 from lamc.examples import find
 from lamc.export.series import recording_of
@@ -18,6 +18,7 @@ from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, output_of
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
 from tests.support.mechanisms import ALL_PASSIVE, chain
+from tests.support.paths import RUNTIME
 
 INSTANCES = 13
 LOOPS = (
@@ -203,3 +204,8 @@ def test_the_c_of_a_model_is_the_same_with_lanes_beside_it() -> None:
         "lane_steps.h",
         "lanes.h",
     }
+
+
+def test_small_loops_are_those_that_the_runtime_solves_as_one_array_of_largest_pivots() -> None:
+    text = (RUNTIME / "src" / "loop_dense.h").read_text(encoding="utf-8")
+    assert f"LARGE = {MOST_RATES_IN_LOOPS}\n" in text

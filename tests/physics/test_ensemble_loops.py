@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 import lamc
@@ -13,7 +13,9 @@ from lamc.commands.examples import mechanism_of_example
 from lamc.examples import find
 from lamc.run.request import Status
 from lamc.run.simulator import Simulator
+from tests.physics.test_closed_mechanisms import AS_DRAWN, effects_of
 from tests.physics.test_simultaneous_impacts import DROPPED, five_bar
+from tests.support.closed_mechanisms import ClosedMechanism, closed_mechanisms
 from tests.support.ensembles import assert_alike, spread
 from tests.support.mechanisms import ALL_PASSIVE
 from tests.support.quick import tries
@@ -69,6 +71,31 @@ def test_instances_with_random_values_are_runs_by_themselves(
     parameters = spread(sim, count, seed)
     how = {"t_end": 0.5, "rtol": 10.0**exponent, "integrator": integrator}
     many = sim.ensemble(t_eval=[0.0, 0.2, 0.21, 0.5], parameters=parameters, **how)
+    assert_alike(sim, many, parameters, **how)
+
+
+@settings(
+    max_examples=tries(10), deadline=None, suppress_health_check=[HealthCheck.too_slow], phases=AS_DRAWN
+)
+@given(
+    closed=closed_mechanisms(),
+    seed=st.integers(0, 2**16),
+    integrator=st.sampled_from(("rk45", "dop853", "auto")),
+    exponent=st.integers(-10, -4),
+)
+def test_instances_of_random_loops_are_runs_by_themselves(
+    closed: ClosedMechanism, seed: int, integrator: str, exponent: int
+) -> None:
+    """Redundant equations, rows of any length, starts at rest in singular positions, runs that end early."""
+    try:
+        sim = lamc.compile(closed.mechanism, lamc.Scene(effects=effects_of(closed, damped=True)))
+    except lamc.DesignError:
+        assume(False)
+    assume(len(sim.rates) <= 10)
+    parameters = spread(sim, 11, seed)
+    how = {"t_end": 0.6, "rtol": 10.0**exponent, "integrator": integrator, "max_steps": 3000}
+    many = sim.ensemble(t_eval=[0.0, 0.17, 0.18, 0.6], parameters=parameters, **how)
+    assert many.stats.lanes in (2, 4, 8)
     assert_alike(sim, many, parameters, **how)
 
 

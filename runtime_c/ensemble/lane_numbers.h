@@ -36,6 +36,11 @@ typedef int64_t lane_bits __attribute__((vector_size(8 * LAMC_LANES), may_alias)
     __has_builtin(__builtin_ia32_cmppd512_mask) && __has_builtin(__builtin_ia32_cmpq512_mask)
 #define LAMC_MASK_REGISTERS
 #endif
+#if defined(LAMC_MASK_REGISTERS) && __has_builtin(__builtin_ia32_sqrtpd512_mask)
+#define LAMC_ROOTS_OF_EIGHT
+#elif LAMC_LANES == 4 && __has_builtin(__builtin_ia32_sqrtpd256)
+#define LAMC_ROOTS_OF_FOUR
+#endif
 #if __has_builtin(__builtin_shufflevector)
 #define LAMC_JOIN                                                                                            \
   __builtin_shufflevector /* lanes of two vectors in a new order, those of the second numbered on */
@@ -257,7 +262,6 @@ LAMC_LANE_FUNCTION lanes lane_cos(lanes x) {
     return x;                                                                                                \
   }
 
-LAMC_LANE_BY_LANE(sqrt)
 LAMC_LANE_BY_LANE(tan)
 LAMC_LANE_BY_LANE(asin)
 LAMC_LANE_BY_LANE(acos)
@@ -271,6 +275,18 @@ LAMC_LANE_BY_LANE_OF_TWO(atan2)
 LAMC_LANE_BY_LANE_OF_TWO(fmin)
 LAMC_LANE_BY_LANE_OF_TWO(fmax)
 LAMC_LANE_BY_LANE_OF_TWO(pow)
+
+/* Rounded as the library's, by any instruction; told of errno, gcc takes one lane after the other. */
+LAMC_LANE_FUNCTION lanes lane_sqrt(lanes x) {
+#if defined(LAMC_ROOTS_OF_EIGHT)
+  return __builtin_ia32_sqrtpd512_mask(x, x, -1, 4);
+#elif defined(LAMC_ROOTS_OF_FOUR)
+  return __builtin_ia32_sqrtpd256(x);
+#else
+  LAMC_FOR_LANES x[k] = sqrt(x[k]);
+  return x;
+#endif
+}
 
 /* -1, 0 or 1 */
 LAMC_LANE_FUNCTION lanes lane_sign(lanes x) {

@@ -26,6 +26,11 @@ def assert_alike(sim: Simulator, many: Any, parameters: dict[str, Any], **how: A
         assert many.stats.integrators[k] == one.stats.integrator.split(", ")[-1]
 
 
+def assert_beside(many: Any) -> None:
+    """Instances of loops ran side by side, where the machine has vectors of four numbers or eight."""
+    assert many.stats.lanes in (4, 8) or "too few for loops" in many.stats.why_alone
+
+
 def spread(sim: Simulator, count: int, seed: int) -> dict[str, Any]:
     """Values of all parameters around their defaults, zeros as they are."""
     rng = np.random.default_rng(seed)

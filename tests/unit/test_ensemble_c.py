@@ -157,7 +157,7 @@ def test_sanitizers_find_nothing_and_lanes_give_the_bits_of_one(
     tree = made(tmp_path, name, method)
     cc(tmp_path, *SANITIZED, "-ffp-contract=off", *MACHINE, *units(tree), "-o", "try", "-lm")
     width, ended, same = map(int, output_of(tmp_path / "try").split())
-    assert width in (2, 4, 8)
+    assert width in (2, 4, 8) or (width == 1 and name in LOOPS)
     assert ended == 13
     assert same
 
@@ -175,6 +175,8 @@ def test_other_machines_have_other_lanes_and_the_same_bits(
         pytest.skip("this machine has no AVX2")
     tree = made(tmp_path, name, "DOP853")
     cc(tmp_path, *STRICT, "-O2", "-ffp-contract=off", *flags, *units(tree), "-o", "try", "-lm")
+    if name in LOOPS and width == 2:
+        width = 1  # two lanes cost loops more than they save
     assert output_of(tmp_path / "try").split() == [str(width), "13", "1"]
 
 

@@ -2,10 +2,11 @@
 
     python -m benchmarks.ensembles [--quick] [--out FOLDER]
 
-Time per body, evaluation of the accelerations and instance, on one thread, of whole runs (steps, errors and rows are
-in it), for trees of the paper's unit plates; CasADi's is of evaluations alone, of the same equations by its virtual
-machine. MuJoCo takes RK4 steps, of four evaluations. Then 10 000 triple pendulums of 10 s at 1e-6 on as many threads as
-there are processors. The shortest of several repeats in turns; prints tables and writes JSON. Both peers: lamc[bench].
+Processor time per body, evaluation of the accelerations and instance, on one thread, of whole runs (steps, errors and
+rows are in it), for trees of the paper's unit plates; CasADi's is of evaluations alone, of the same equations by its
+virtual machine. MuJoCo takes RK4 steps, of four evaluations. Per hinge for loops of the gallery, each instance with
+masses, stiffness and damping of its own. Then 10 000 triple pendulums of 10 s at 1e-6 on as many threads as there are
+processors. The shortest of several repeats in turns; prints tables and writes JSON. Both peers: lamc[bench].
 """
 
 import argparse
@@ -24,6 +25,8 @@ import lamc
 from benchmarks.devices import CROSSED, OBLIQUE, PARALLEL, SCENE, plates
 from benchmarks.measure import environment, interleaved, table, write_json
 from benchmarks.spine import target
+from lamc.commands.examples import mechanism_of_example
+from lamc.examples import find
 from lamc.records.mechanism import Mechanism
 from lamc.symbolic.listing import listing_of, run
 from lamc.symbolic.program import Program, Space
@@ -40,6 +43,7 @@ CASES = (
     ("24 hinges, right angles", 24, CROSSED),
     ("24 hinges in space", 24, OBLIQUE),
 )
+LOOPS = ("four_bar", "five_bar", "six_bar", "two_loops", "vertex", "waterbomb", "bricard", "sarrus")
 INSTANCES = 128  # that a repeat takes: milliseconds, so that some repeat is not disturbed
 T_END = 1.0  # s
 STEP = 1e-3  # s, of MuJoCo
@@ -54,9 +58,9 @@ def main() -> None:
     repeats = 5 if arguments.quick else 40
     report: dict[str, Any] = {"environment": environment()}
     report["per_evaluation"] = [row(name, plates(n, lines), repeats) for name, n, lines in CASES]
-    heads = list(report["per_evaluation"][0])
-    print("ns per body, evaluation and instance")
-    print(table(heads, [[_text(r[h]) for h in heads] for r in report["per_evaluation"]]))
+    _show("ns per body, evaluation and instance", report["per_evaluation"])
+    report["loops"] = [loops(name, repeats) for name in LOOPS]
+    _show("ns per hinge, evaluation and instance", report["loops"])
     report["pendulums"] = pendulums(2 if arguments.quick else 6)
     print(", ".join(f"{name}: {value:.3g} s" for name, value in report["pendulums"].items()))
     report["targets"] = [
@@ -67,9 +71,14 @@ def main() -> None:
         ),
         target("10 000 triple pendulums, 10 s at 1e-6, s", report["pendulums"]["dop853"], 1.0, at_most=True),
     ]
-    heads = list(report["targets"][0])
-    print(table(heads, [[_text(r[h]) for h in heads] for r in report["targets"]]))
+    _show("targets", report["targets"])
     write_json(arguments.out / "ensembles.json", report)
+
+
+def _show(title: str, rows: list[dict[str, Any]]) -> None:
+    heads = list(rows[0])
+    print(title)
+    print(table(heads, [[_text(row[head]) for head in heads] for row in rows]))
 
 
 def _text(value: Any) -> str:
@@ -100,11 +109,35 @@ def row(name: str, mechanism: Mechanism, repeats: int) -> dict[str, Any]:
         jobs["MuJoCo rollout"], counts["MuJoCo rollout"] = rollout(mechanism)
     if casadi is not None:
         jobs["CasADi map"], counts["CasADi map"] = mapped(sim.program)
-    best = interleaved(jobs, repeats)
+    best = interleaved(jobs, repeats, clock=time.process_time)
     return {
         "case": name,
         "lanes side by side": made.stats.lanes,
         **{job: best[job] / counts[job] / bodies * 1e9 for job in jobs},
+        "one / lanes": best["one at a time"] / best["lanes"],
+    }
+
+
+def loops(name: str, repeats: int) -> dict[str, Any]:
+    """An example with loops: ns per hinge, evaluation and instance, side by side and one run at a time."""
+    mechanism = mechanism_of_example(find(name))
+    sim = lamc.compile(mechanism, mechanism.scene or lamc.Scene())
+    rng = np.random.default_rng(1)
+    varied = {
+        name: value * rng.uniform(0.5, 1.5, INSTANCES)
+        for name, value in sim.parameters.items()
+        if name.endswith((".mass", ".stiffness", ".damping"))
+    }
+    asked = partial(sim.ensemble, T_END, 1e-6, 1e-8, integrator="dop853", parameters=varied, threads=1)
+    jobs = {"lanes": asked, "one at a time": partial(asked, side_by_side=False)}
+    made, alone = (job() for job in jobs.values())
+    assert made.q.tobytes() == alone.q.tobytes()
+    best = interleaved(jobs, repeats, clock=time.process_time)
+    count = float(made.stats.evaluations.sum()) * len(sim.joints)
+    return {
+        "case": name,
+        "lanes side by side": made.stats.lanes,
+        **{job: best[job] / count * 1e9 for job in jobs},
         "one / lanes": best["one at a time"] / best["lanes"],
     }
 

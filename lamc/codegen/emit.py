@@ -177,7 +177,7 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
         "other_coordinates": other_entries(program, program.coordinates),
         "other_rates": other_entries(program, program.rates),
         "powers": [comment(p) for p in program.powers],
-        "pattern": _pattern(program.pattern),
+        "pattern": pattern_tables(program.pattern),
         "planned": 0 if program.pattern is None else len(program.pattern.plan),
         "cuts": [comment(j) for j in program.cuts],
         "geometry": [literal(each.value, number) for each in program.geometry],
@@ -198,7 +198,7 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
             **({"series_names": [string_literal(s.name) for s in program.series]} if program.series else {}),
             "energy_names": [string_literal(e) for e in program.energies] or ['""'],
         },
-        "counts": _counts(program),
+        "counts": counts(program),
         "guard_modes": [g.mode for g in program.guards],
         "clock_guards": [c.guard for c in program.clocks],
         "clock_ticks": [c.tick for c in program.clocks],
@@ -238,7 +238,7 @@ def _look_up(k: int, table: Piecewise, number: str) -> CLookUp:
     return CLookUp(k, len(table.breaks), table.degree + 1, tuple(map(text, table.breaks)), rows)
 
 
-def _pattern(pattern: Pattern | None) -> dict[str, list[str]]:
+def pattern_tables(pattern: Pattern | None) -> dict[str, list[str]]:
     """The tables of a `lamc_pattern`, as lines; empty for a tree."""
     if pattern is None:
         return {}
@@ -276,7 +276,8 @@ def _coordinate_strings(program: Program) -> dict[str, list[str]]:
     }
 
 
-def _counts(program: Program) -> dict[str, int]:
+def counts(program: Program) -> dict[str, int]:
+    """How many there are of what templates size arrays by."""
     return {
         "joints": len(program.joints),
         "coordinates": len(program.coordinates),

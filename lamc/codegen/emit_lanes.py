@@ -11,10 +11,17 @@ from types import MappingProxyType
 
 from lamc.basics._version import __version__
 from lamc.basics.resources import data_dir
-from lamc.codegen.emit import SourceTree, declarations_of, environment, look_ups
+from lamc.codegen.emit import (
+    SourceTree,
+    counts,
+    declarations_of,
+    environment,
+    look_ups,
+    pattern_tables,
+)
 from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment, identifiers
-from lamc.codegen.options import why_alone
+from lamc.codegen.options import MOST_RATES_IN_LOOPS, why_alone
 from lamc.codegen.printer import LANES, ShapePrinter
 from lamc.symbolic.allocation import collector_paused
 from lamc.symbolic.program import Program
@@ -23,15 +30,18 @@ from lamc.symbolic.program import Program
 # per hinge by kernels, 8.3 straight on); gcc takes four seconds for them.
 MAX_BLOCK = 4000
 EVALUATED = ("rates", "acceleration", "system")  # what makes dy/dt of a tree
+CLOSED = ("rates", "dynamics", "system", "closure")  # and of small loops, with what closes them
 
 
 @collector_paused
 def emit_lanes(program: Program, tree: SourceTree, precision: str = "double") -> SourceTree:
     """`tree` with the C of lanes beside it. Raises EmitError where an operation has no C form."""
-    reason = why_alone(loops=bool(program.cuts), moves=bool(program.rates), precision=precision)
+    large = bool(program.cuts) and not has_small_loops(program)
+    reason = why_alone(large_loops=large, moves=bool(program.rates), precision=precision)
     fields = identifiers(p.name for p in program.parameters)  # only `setup` reads them, which has no lanes
     printer = ShapePrinter(number=LANES)
-    functions = [program.functions[name] for name in EVALUATED if name in program.functions]
+    evaluated = CLOSED if program.cuts else EVALUATED
+    functions = [program.functions[name] for name in evaluated if name in program.functions]
     context = {
         "version": __version__,
         "title": comment(program.name),
@@ -40,11 +50,8 @@ def emit_lanes(program: Program, tree: SourceTree, precision: str = "double") ->
         "real": "double",
         "reason": reason,
         "present": [f.name for f in functions],
-        "counts": {
-            "coordinates": len(program.coordinates),
-            "rates": len(program.rates),
-            "constants": program.constant_count,
-        },
+        "counts": counts(program),
+        "pattern": {} if reason else pattern_tables(program.pattern),
         "tables": look_ups(program),
         "functions": [] if reason else [arrange(f, printer, fields, LANES, MAX_BLOCK) for f in functions],
     }
@@ -57,6 +64,15 @@ def emit_lanes(program: Program, tree: SourceTree, precision: str = "double") ->
         kind="model",
         beside=("ensemble.c",),
         machine=(f"{tree.prefix}_lanes.c",),
+    )
+
+
+def has_small_loops(program: Program) -> bool:
+    """Whether J is eliminated as one array, each pivot being the largest that is left: by `lane_loops.h` too."""
+    pattern = program.pattern
+    is_dense = pattern is not None and not pattern.plan and "dynamics" in program.functions
+    return (
+        is_dense and 0 < len(program.rates) <= MOST_RATES_IN_LOOPS and 0 < program.rank <= len(program.rates)
     )
 
 

@@ -12,12 +12,15 @@ PRECISIONS = ("double", "float")
 MACHINE = ("-march=native",)
 
 
-def why_alone(*, loops: bool, moves: bool, precision: str) -> str:
+MOST_RATES_IN_LOOPS = 10  # of models whose loops are solved side by side: LARGE of runtime_c/src/loop_dense.h
+
+
+def why_alone(*, large_loops: bool, moves: bool, precision: str) -> str:
     """Why steps of a model are not taken side by side, for people; empty where they are."""
     if precision == "float":
         return "accelerations are evaluated in single precision"
-    if loops:
-        return "loops are solved one run at a time"
+    if large_loops:
+        return f"loops of more than {MOST_RATES_IN_LOOPS} hinges are solved one run at a time"
     return "" if moves else "nothing moves"
 
 

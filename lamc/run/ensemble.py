@@ -155,7 +155,9 @@ def run_instances(
     told = task.told
     lib = module.lib
     if task.width == 1 and use_lanes and not why_alone:
-        why_alone = f"the integrator {method!r} is implicit, or the compiler has no vectors"
+        why_alone = (
+            f"the integrator {method!r} is implicit, or vectors hold one number, or two, too few for loops"
+        )
     if task.width > 1 and (told[:, lib.LAMC_TOLD_SWITCHES] > 0).any():
         why_alone = "some instances went on by an implicit method, one after the other"
     return (

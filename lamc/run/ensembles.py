@@ -11,7 +11,7 @@ import numpy as np
 
 from lamc.basics.errors import RequestError
 from lamc.basics.places import located_at
-from lamc.codegen.options import why_alone
+from lamc.codegen.options import MOST_RATES_IN_LOOPS, why_alone
 from lamc.records.effect import overrides
 from lamc.run.ensemble import Ensemble, Instances, run_instances
 from lamc.run.instances import Values, columns, made_instances
@@ -78,9 +78,13 @@ def ensemble_of(
 def _why_alone(simulator: "Simulator") -> str:
     """As the module was made; without the program, which would be derived anew where all came from the cache."""
     precision = "float" if "-DLAMC_FLOAT" in simulator.lanes.flags else "double"
-    if simulator.model.series:
-        return "inputs follow series, which each run looks up at times of its own"
-    return why_alone(loops=bool(simulator.cut_joints), moves=bool(simulator.rates), precision=precision)
+    model = simulator.lanes.lib.lamc_this_model()
+    is_large = bool(simulator.cut_joints) and (
+        model.pattern.step_count > 0
+        or model.dynamics == simulator.lanes.ffi.NULL
+        or model.rate_count > MOST_RATES_IN_LOOPS
+    )
+    return why_alone(large_loops=is_large, moves=bool(simulator.rates), precision=precision)
 
 
 def _instances(simulator: "Simulator", request: Request, given: tuple[Values, Values, Values]) -> Instances:

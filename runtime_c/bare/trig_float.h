@@ -14,7 +14,7 @@
 #include <float.h>
 #include <stdint.h>
 
-#if defined(__FAST_MATH__) || (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0)
+#if defined(__FAST_MATH__) || (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 16)
 #error "sine and cosine need IEEE 754 in single precision: no -ffast-math, and SSE2 instead of x87"
 #endif
 

@@ -8,114 +8,18 @@
  * is the run's own. So a lane gives the bits of a run by itself. */
 #include "lamc_ensemble.h"
 
-#include "lanes.h"
+#include "ensemble_work.h"
 #include "rows.h"
 #include "steps.h"
 
 #include <stdatomic.h>
-#include <string.h>
-
-enum { MOST_LANES = 8, ALIGNMENT = 64 };
-
-typedef struct lane {
-  lamc_motion motion;
-  lamc_run run;
-  lamc_rows rows;
-  lamc_real *run_work;
-  long long instance; /* -1: none */
-} lane;
-
-/* What one thread works with */
-typedef struct bench {
-  const lamc_ensemble *e;
-  const lamc_lane_steps *steps; /* NULL: every step is a run's own */
-  lamc_real *block;
-  lane *lanes[MOST_LANES];
-  lamc_run *runs[MOST_LANES]; /* that take the step side by side; NULL: none in this lane */
-  lamc_real h[MOST_LANES], squared[MOST_LANES];
-  int is_last[MOST_LANES];
-  lamc_status taken[MOST_LANES];
-  int has_dense[MOST_LANES]; /* 1: the continuous extension was worked out side by side */
-  int width;
-} bench;
-
-/* ---- Memory ------------------------------------------------------------------------------------------------ */
-
-static const lamc_lane_steps *steps_of(const lamc_ensemble *e) {
-  const int serves = e->method == LAMC_AUTO || lamc_lanes_serve((int)e->method);
-  return e->use_lanes && serves ? lamc_this_lanes() : NULL;
-}
 
 int lamc_ensemble_width(const lamc_ensemble *e) {
-  const lamc_lane_steps *steps = steps_of(e);
-  return steps == NULL ? 1 : steps->width;
-}
-
-/* A multiple of 64 bytes, in numbers */
-static long long whole(long long size) {
-  const long long unit = ALIGNMENT / (long long)sizeof(lamc_real);
-  return (size + unit - 1) / unit * unit;
-}
-
-static long long numbers_of_lane(void) {
-  return whole((long long)((sizeof(lane) + sizeof(lamc_real) - 1) / sizeof(lamc_real)));
-}
-
-static lamc_ode plain_ode(const lamc_motion *motion) {
-  lamc_ode ode = lamc_motion_ode(motion);
-  ode.integral_count = 0;
-  return ode;
-}
-
-/* Numbers for the run of one instance; 0 where it cannot be */
-static long long run_size(const lamc_ensemble *e) {
-  const lamc_motion motion = {e->model, NULL, NULL, 0, e->recording};
-  const lamc_ode ode = plain_ode(&motion);
-  return lamc_run_work_size(&ode, e->method);
+  return width_of(e);
 }
 
 long long lamc_ensemble_work_size(const lamc_ensemble *e) {
-  const lamc_lane_steps *steps = steps_of(e);
-  const long long run = run_size(e);
-  const long long of_lane = numbers_of_lane() + whole(e->model->constant_count + 1) +
-                            whole(lamc_motion_work_size(e->model) + 1) + whole(run) + whole(e->row_count);
-  if (run == 0) return 0;
-  return whole(1) + (steps == NULL ? 0 : whole(steps->size)) + lamc_ensemble_width(e) * of_lane;
-}
-
-static lamc_real *cut(lamc_real **rest, long long size) {
-  lamc_real *part = *rest;
-  *rest += whole(size);
-  return part;
-}
-
-static lamc_real *aligned(lamc_real *work) {
-  const uintptr_t beyond = (uintptr_t)work % ALIGNMENT;
-  return beyond == 0 ? work : work + (ALIGNMENT - beyond) / sizeof(lamc_real);
-}
-
-static void lay_out(bench *b, const lamc_ensemble *e, lamc_real *work) {
-  memset(b, 0, sizeof *b);
-  b->e = e;
-  b->steps = steps_of(e);
-  b->width = lamc_ensemble_width(e);
-  lamc_real *rest = aligned(work);
-  if (b->steps != NULL) {
-    b->block = cut(&rest, b->steps->size);
-    memset(b->block, 0, (size_t)b->steps->size * sizeof *b->block);
-  }
-  const long long run = run_size(e);
-  for (int k = 0; k < b->width; k++) {
-    lane *l = b->lanes[k] = (lane *)(void *)cut(&rest, numbers_of_lane());
-    memset(l, 0, sizeof *l);
-    l->motion.model = e->model;
-    l->motion.recording = e->recording;
-    l->motion.constants = cut(&rest, e->model->constant_count + 1);
-    l->motion.work = cut(&rest, lamc_motion_work_size(e->model) + 1);
-    l->run_work = cut(&rest, run);
-    l->rows.t = cut(&rest, e->row_count);
-    l->instance = -1;
-  }
+  return work_size_of(e);
 }
 
 /* ---- One instance ------------------------------------------------------------------------------------------ */
@@ -143,6 +47,14 @@ static int is_over(const lamc_ensemble *e, lane *l, lamc_status status) {
   return 1;
 }
 
+/* lamc_ode.settle of a motion in a lane */
+static lamc_status settle(const void *context, lamc_real t, lamc_real *y, lamc_real *moved) {
+  const lane *l = (const lane *)context;
+  if (!l->is_settled) return lamc_motion_settle(&l->motion, t, y, moved);
+  *moved = l->moved;
+  return LAMC_OK;
+}
+
 /* The run of instance k from its start */
 static lamc_status start(const lamc_ensemble *e, lane *l, long long k) {
   const lamc_model *model = e->model;
@@ -154,7 +66,8 @@ static lamc_status start(const lamc_ensemble *e, lane *l, long long k) {
   l->rows.y = e->y + k * e->row_count * n;
   l->rows.capacity = e->row_count;
   l->rows.count = 0;
-  const lamc_ode ode = plain_ode(&l->motion);
+  lamc_ode ode = plain_ode(&l->motion);
+  if (ode.settle != NULL) ode.settle = settle;
   return lamc_run_start(&l->run, &ode, e->method, &e->options, 0, e->starts + k * e->start_stride, e->t_end,
                         e->t_eval, e->row_count, l->run_work);
 }
@@ -179,9 +92,14 @@ static int has_rows(const lamc_run *run) {
   return run->t_eval_next < run->t_eval_count && run->t_eval[run->t_eval_next] < run->t;
 }
 
+/* Whether the step has come to a break, behind which the equation is another one: the run then asks for what lies before */
+static int has_break(const lamc_run *run) {
+  return run->next_break < run->ode.break_count && run->t >= run->ode.breaks[run->next_break];
+}
+
 /* Whether all that the run will be asked for within the step is its continuous extension, which takes evaluations */
 static int wants_dense(const lamc_run *run) {
-  return has_rows(run) && run->method == LAMC_DOP853 && run->ode.guard_count == 0 && run->ode.settle == NULL;
+  return has_rows(run) && run->method == LAMC_DOP853 && run->ode.guard_count == 0 && !has_break(run);
 }
 
 /* Decides on the step just tried in lane k, up to dy/dt where it led. 1: that is still to be evaluated */
@@ -189,8 +107,12 @@ static int land(bench *b, int k, int is_beside) {
   lamc_run *run = &b->lanes[k]->run;
   int wants_slope = 0;
   b->taken[k] = lamc_run_land(run, b->h[k], b->is_last[k], b->squared[k], &wants_slope);
+  b->lanes[k]->is_settled = 0;
   if (b->taken[k] != LAMC_OK) return 0;
-  const int all = run->ode.guard_count > 0 || (has_rows(run) && !wants_dense(run));
+  const int may_be_odd =
+      run->ode.settle != NULL; /* and then has to work out its continuous extension itself */
+  const int all =
+      run->ode.guard_count > 0 || has_break(run) || (has_rows(run) && (may_be_odd || !wants_dense(run)));
   if (is_beside && (run->watch.is_auto || all)) b->steps->give_stages(b->block, run->method, k, run, all);
   return wants_slope;
 }
@@ -248,6 +170,24 @@ static int gather(bench *b, int *which) {
   return count;
 }
 
+/* What must hold where the attempt led, in the lanes that will be accepted */
+static void settle_beside(bench *b) {
+  lamc_run *wanting[MOST_LANES] = {NULL};
+  lamc_real t[MOST_LANES] = {0}, moved[MOST_LANES] = {0};
+  int count = 0, done[MOST_LANES] = {0};
+  for (int k = 0; k < b->width; k++) {
+    if (b->runs[k] == NULL || !(b->squared[k] <= 1.0)) continue;
+    wanting[k] = b->runs[k];
+    t[k] = b->is_last[k] ? lamc_run_stop(b->runs[k]) : b->runs[k]->t + b->h[k];
+    count++;
+  }
+  if (count > 0) b->steps->settle(b->block, wanting, t, moved, done);
+  for (int k = 0; k < b->width; k++) {
+    b->lanes[k]->is_settled = done[k];
+    b->lanes[k]->moved = moved[k];
+  }
+}
+
 /* The step of all lanes that `gather` found */
 static void step_beside(bench *b, int which) {
   for (int k = 0; k < b->width; k++) {
@@ -256,6 +196,7 @@ static void step_beside(bench *b, int which) {
     b->runs[k]->steps++;
   }
   b->steps->attempt(b->block, which, b->runs, b->h, b->squared);
+  if (b->steps->settle != NULL) settle_beside(b);
   int count = 0;
   lamc_run *wanting[MOST_LANES] = {NULL};
   for (int k = 0; k < b->width; k++) {
@@ -274,7 +215,7 @@ static void step_beside(bench *b, int which) {
     dense[k] = b->runs[k];
     count++;
   }
-  if (count > 0) b->steps->dense(b->block, dense);
+  if (count > 0) b->steps->dense(b->block, dense, b->has_dense);
   for (int k = 0; k < b->width; k++) {
     if (b->runs[k] != NULL) conclude(b, k);
   }

@@ -1,5 +1,7 @@
 /* lane_steps.h, of lamc: steps of explicit Runge-Kutta methods, side by side. Included by the lanes of a model, behind its
- * equations lane_rates (HAS_RATES), lane_acceleration or lane_system (HAS_SYSTEM), and the sizes NQ, NU and NC.
+ * equations lane_rates (HAS_RATES), lane_acceleration or lane_system (HAS_SYSTEM), the sizes NQ, NU and NC, and
+ * SERIES_COUNT; with loops (HAS_LOOPS) behind lane_dynamics, lane_system and lane_closure, the sizes NM, RANK, ENTRIES, CUT
+ * and BEYOND, and the places of entries LANE_ROW_START and LANE_COLUMN.
  *
  * In:    runs that stand at their own times, with steps of their own lengths. Out: where the steps lead, and their errors.
  * Never: adds in another order than rk45.c and dop853.c: lane by lane, all bits are theirs. */
@@ -7,69 +9,8 @@
 #define LAMC_LANE_STEPS_H
 
 #include "dop853.h"
-#include "lane_numbers.h"
-#include "lanes.h"
+#include "lane_slopes.h"
 #include "rk45.h"
-
-enum {
-  N = NQ + NU,
-  STAGES = 11, /* slopes between the ends of a step: 2 to 12 of DOP853, 2 to 6 of RK45 */
-  BEGIN = 11,  /* in `k`: the slope where the step begins */
-  END = 12,    /* where it leads; three more of DOP853's continuous extension */
-  SLOPES = 16
-};
-
-typedef struct lane_block {
-  lanes c[NC > 0 ? NC : 1];
-  lanes y[N + 1], y_new[N + 1];
-  lanes k[SLOPES][N + 1];
-  lanes s[N + 1]; /* argument of the stage being evaluated */
-#if HAS_SYSTEM
-  lanes raw[NU * (NU + 1) / 2 + NU + 1], l[NU * NU + 1];
-#endif
-} lane_block;
-
-/* ---- dy/dt --------------------------------------------------------------------------------------------------- */
-
-#if HAS_SYSTEM
-/* M = L L^T, as cholesky.h has it, and the solution of M x = f in place of f */
-static void lane_solve(const lanes *m, lanes *l, lanes *x) {
-  for (int i = 0; i < NU; i++) {
-    for (int j = 0; j <= i; j++) {
-      lanes sum = {0};
-      for (int n = 0; n < j; n++) sum += l[i * NU + n] * l[j * NU + n];
-      const lanes rest = m[j] - sum;
-      l[i * NU + j] = j == i ? 1 / lane_sqrt(rest) : rest * l[j * NU + j];
-    }
-    m += i + 1;
-  }
-  for (int i = 0; i < NU; i++) {
-    lanes sum = {0};
-    for (int n = 0; n < i; n++) sum += l[i * NU + n] * x[n];
-    x[i] = (x[i] - sum) * l[i * NU + i];
-  }
-  for (int i = NU - 1; i >= 0; i--) {
-    lanes sum = x[i];
-    for (int n = i + 1; n < NU; n++) sum -= l[n * NU + i] * x[n];
-    x[i] = sum * l[i * NU + i];
-  }
-}
-#endif
-
-static void lane_rhs(lane_block *b, lanes t, const lanes *y, lanes *dydt) {
-#if HAS_RATES
-  lane_rates(b->c, y, y + NQ, dydt);
-#else
-  for (int i = 0; i < NU; i++) dydt[i] = y[NQ + i];
-#endif
-#if HAS_SYSTEM
-  lane_system(b->c, t, y, y + NQ, b->raw);
-  lane_solve(b->raw, b->l, b->raw + NU * (NU + 1) / 2);
-  for (int i = 0; i < NU; i++) dydt[NQ + i] = b->raw[NU * (NU + 1) / 2 + i];
-#else
-  lane_acceleration(b->c, t, y, y + NQ, dydt + NQ);
-#endif
-}
 
 /* ---- Between runs and lanes ---------------------------------------------------------------------------------- */
 
@@ -94,7 +35,7 @@ static void lane_slope(lamc_real *block, lamc_run *const *runs) {
     t[k] = runs[k]->t;
     if (runs[k]->ode.settle != NULL) lane_put(b->y_new, k, y_here(runs[k]));
   }
-  lane_rhs(b, t, b->y_new, b->k[END]);
+  lane_rhs(b, runs, t, b->y_new, b->k[END]);
   for (int k = 0; k < LAMC_LANES; k++) {
     if (runs[k] == NULL) continue;
     runs[k]->evaluations++;
@@ -124,9 +65,11 @@ LAMC_LANE_FUNCTION void lane_argument(const lane_block *b, int row, lanes h, lan
   for (int i = 0; i < N; i++) out[i] = b->y[i] + h * lane_sum(b, DOP853_A[row], row, i);
 }
 
-static void lane_dop853(lane_block *b, const lamc_run *run, lanes t, lanes h, lamc_real *squared) {
-  const lamc_real atol = floor_of_scale(run), rtol = run->options.rtol;
-#define STAGE(row) lane_argument(b, row, h, b->s), lane_rhs(b, t + DOP853_C[row] * h, b->s, b->k[row - 1])
+static void lane_dop853(lane_block *b, lamc_run *const *runs, const lamc_run *any, lanes t, lanes h,
+                        lamc_real *squared) {
+  const lamc_real atol = floor_of_scale(any), rtol = any->options.rtol;
+#define STAGE(row)                                                                                           \
+  lane_argument(b, row, h, b->s), lane_rhs(b, runs, t + DOP853_C[row] * h, b->s, b->k[row - 1])
   STAGE(1);
   STAGE(2);
   STAGE(3);
@@ -158,20 +101,22 @@ static void lane_dop853(lane_block *b, const lamc_run *run, lanes t, lanes h, la
 }
 
 /* The continuous extension of the step just taken, and where runs look for it: make_dense of dop853.c */
-static void lane_dense(lamc_real *block, lamc_run *const *runs) {
+static void lane_dense(lamc_real *block, lamc_run *const *runs, int *done) {
   lane_block *b = (lane_block *)(void *)block;
   lanes t = {0}, h = {0};
+  lane_mask odd = {0};
   for (int k = 0; k < LAMC_LANES; k++) {
     if (runs[k] == NULL) continue;
     t[k] = runs[k]->t_old;
     h[k] = runs[k]->h_last;
   }
   lane_argument(b, 13, h, b->s);
-  lane_rhs(b, t + DOP853_C[13] * h, b->s, b->k[13]);
+  odd |= lane_try_rhs(b, runs, t + DOP853_C[13] * h, b->s, b->k[13]);
   lane_argument(b, 14, h, b->s);
-  lane_rhs(b, t + DOP853_C[14] * h, b->s, b->k[14]);
+  odd |= lane_try_rhs(b, runs, t + DOP853_C[14] * h, b->s, b->k[14]);
   lane_argument(b, 15, h, b->s);
-  lane_rhs(b, t + DOP853_C[15] * h, b->s, b->k[15]);
+  odd |= lane_try_rhs(b, runs, t + DOP853_C[15] * h, b->s, b->k[15]);
+  for (int k = 0; k < LAMC_LANES; k++) done[k] = runs[k] != NULL && !lane_has(odd, k);
   for (int i = 0; i < N; i++) {
     const lanes change = b->y_new[i] - b->y[i], begin = b->k[BEGIN][i], end = b->k[END][i];
     const lanes terms[7] = {
@@ -184,35 +129,35 @@ static void lane_dense(lamc_real *block, lamc_run *const *runs) {
         lane_sum(b, DOP853_D[3], SLOPES, i),
     };
     for (int k = 0; k < LAMC_LANES; k++) {
-      for (int j = 0; runs[k] != NULL && j < 7; j++)
-        slot(runs[k], SLOT_OWN + DOP853_DENSE + j)[i] = terms[j][k];
+      for (int j = 0; done[k] && j < 7; j++) slot(runs[k], SLOT_OWN + DOP853_DENSE + j)[i] = terms[j][k];
     }
   }
 }
 
 /* ---- RK45 ---------------------------------------------------------------------------------------------------- */
 
-static void lane_rk45(lane_block *b, const lamc_run *run, lanes t, lanes h, lamc_real *squared) {
-  const lamc_real atol = floor_of_scale(run), rtol = run->options.rtol;
+static void lane_rk45(lane_block *b, lamc_run *const *runs, const lamc_run *any, lanes t, lanes h,
+                      lamc_real *squared) {
+  const lamc_real atol = floor_of_scale(any), rtol = any->options.rtol;
   const lanes *y = b->y, *k1 = b->k[BEGIN], *k7 = b->k[END];
   lanes *k2 = b->k[0], *k3 = b->k[1], *k4 = b->k[2], *k5 = b->k[3], *k6 = b->k[4], *s = b->s;
   for (int i = 0; i < N; i++) s[i] = y[i] + h * (RK45_A21 * k1[i]);
-  lane_rhs(b, t + RK45_C2 * h, s, k2);
+  lane_rhs(b, runs, t + RK45_C2 * h, s, k2);
   for (int i = 0; i < N; i++) s[i] = y[i] + h * (RK45_A31 * k1[i] + RK45_A32 * k2[i]);
-  lane_rhs(b, t + RK45_C3 * h, s, k3);
+  lane_rhs(b, runs, t + RK45_C3 * h, s, k3);
   for (int i = 0; i < N; i++) s[i] = y[i] + h * (RK45_A41 * k1[i] + RK45_A42 * k2[i] + RK45_A43 * k3[i]);
-  lane_rhs(b, t + RK45_C4 * h, s, k4);
+  lane_rhs(b, runs, t + RK45_C4 * h, s, k4);
   for (int i = 0; i < N; i++)
     s[i] = y[i] + h * (RK45_A51 * k1[i] + RK45_A52 * k2[i] + RK45_A53 * k3[i] + RK45_A54 * k4[i]);
-  lane_rhs(b, t + RK45_C5 * h, s, k5);
+  lane_rhs(b, runs, t + RK45_C5 * h, s, k5);
   for (int i = 0; i < N; i++)
     s[i] = y[i] +
            h * (RK45_A61 * k1[i] + RK45_A62 * k2[i] + RK45_A63 * k3[i] + RK45_A64 * k4[i] + RK45_A65 * k5[i]);
-  lane_rhs(b, t + h, s, k6);
+  lane_rhs(b, runs, t + h, s, k6);
   for (int i = 0; i < N; i++)
     b->y_new[i] =
         y[i] + h * (RK45_B1 * k1[i] + RK45_B3 * k3[i] + RK45_B4 * k4[i] + RK45_B5 * k5[i] + RK45_B6 * k6[i]);
-  lane_rhs(b, t + h, b->y_new, b->k[END]);
+  lane_rhs(b, runs, t + h, b->y_new, b->k[END]);
   lanes sum[LANES] = {{0}}, size[LANES] = {{0}}; /* LANES sums, as rk45.c has them */
   for (int i = 0; i < N; i++) {
     const lanes error = RK45_E1 * k1[i] + RK45_E3 * k3[i] + RK45_E4 * k4[i] + RK45_E5 * k5[i] +
@@ -243,9 +188,9 @@ static void lane_attempt(lamc_real *block, int which, lamc_run *const *runs, con
     lane_put(b->k[BEGIN], k, slope_here(runs[k]));
   }
   if (which == LAMC_DOP853) {
-    lane_dop853(b, any, t, steps, squared);
+    lane_dop853(b, runs, any, t, steps, squared);
   } else {
-    lane_rk45(b, any, t, steps, squared);
+    lane_rk45(b, runs, any, t, steps, squared);
   }
   for (int k = 0; k < LAMC_LANES; k++) {
     if (runs[k] == NULL) continue;
@@ -262,12 +207,37 @@ static void lane_give_stages(const lamc_real *block, int which, int lane, lamc_r
   lane_take(b->s, lane, slot(run, SLOT_STAGE));
 }
 
+#if HAS_LOOPS
+static void lane_settle(lamc_real *block, lamc_run *const *runs, const lamc_real *t, lamc_real *moved,
+                        int *done) {
+  lane_block *b = (lane_block *)(void *)block;
+  lanes at = {0}, way;
+  lane_mask wanted = {0};
+  for (int k = 0; k < LAMC_LANES; k++) {
+    if (runs[k] == NULL) continue;
+    at[k] = t[k];
+    lane_add(&wanted, k);
+  }
+  lane_put_series(b, runs, at);
+  const lane_mask settled = lane_settle_loops(&b->loops, b->c, at, wanted, b->y_new, &way);
+  for (int k = 0; k < LAMC_LANES; k++) {
+    done[k] = lane_has(settled, k);
+    if (!done[k]) continue;
+    moved[k] = way[k];
+    lane_take(b->y_new, k, y_there(runs[k]));
+    lane_remember((const lamc_motion *)runs[k]->ode.context);
+  }
+}
+#else
+#define lane_settle NULL
+#endif
+
 const lamc_lane_steps *lamc_this_lanes(void) {
   static const lamc_lane_steps steps = {
       LAMC_LANES,          sizeof(lane_block) / sizeof(lamc_real),
       lane_take_constants, lane_attempt,
       lane_give_stages,    lane_slope,
-      lane_dense,
+      lane_dense,          lane_settle,
   };
   return &steps;
 }

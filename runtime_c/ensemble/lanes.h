@@ -18,8 +18,12 @@ typedef struct lamc_lane_steps {
   void (*give_stages)(const lamc_real *block, int which, int lane, lamc_run *run, int all);
   /* dy/dt where runs stand, for every lane that has one */
   void (*slope)(lamc_real *block, lamc_run *const *runs);
-  /* The continuous extension of DOP853's last step, into the work of every lane that has a run: three evaluations */
-  void (*dense)(lamc_real *block, lamc_run *const *runs);
+  /* The continuous extension of DOP853's last step, into the work of every lane that has a run: three evaluations. -> done
+   * (width,): 0 where the run is to work it out by itself */
+  void (*dense)(lamc_real *block, lamc_run *const *runs, int *done);
+  /* As `settle` of the equation, where the last attempt led in every lane that has a run, at t (width,); of the same bits.
+   * -> moved (width,); done (width,): 0 where the run is to do it by itself. NULL: nothing has to hold. */
+  void (*settle)(lamc_real *block, lamc_run *const *runs, const lamc_real *t, lamc_real *moved, int *done);
 } lamc_lane_steps;
 
 /* Of the model's C. NULL: there are none for its compiler. */

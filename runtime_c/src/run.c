@@ -99,8 +99,7 @@ static void reject(lamc_run *run, lamc_real h, lamc_real factor, lamc_real least
   run->rejected++;
 }
 
-/* Where the step under way ends at most */
-static lamc_real stop_of(const lamc_run *run) {
+lamc_real lamc_run_stop(const lamc_run *run) {
   if (run->next_break >= run->ode.break_count) return run->t_end;
   return smaller(run->ode.breaks[run->next_break], run->t_end);
 }
@@ -108,7 +107,7 @@ static lamc_real stop_of(const lamc_run *run) {
 lamc_status lamc_run_land(lamc_run *run, lamc_real h, int is_last, lamc_real squared, int *wants_slope) {
   run->was_finite = is_finite(squared);
   if (!run->was_finite || squared > 1.0) return LAMC_PAUSED;
-  move_on(run, is_last ? stop_of(run) : run->t + h, h);
+  move_on(run, is_last ? lamc_run_stop(run) : run->t + h, h);
   lamc_real moved = 0.0;
   lamc_status settled = LAMC_OK;
   if (run->ode.settle != NULL) settled = run->ode.settle(run->ode.context, run->t, y_here(run), &moved);
@@ -156,7 +155,7 @@ static void accept(lamc_run *run, const method *m, lamc_real h, lamc_real log_er
 
 lamc_status lamc_run_next(lamc_run *run, lamc_real *h, int *is_last) {
   lamc_watch_switch(run);
-  const lamc_real stop = stop_of(run), rest = stop - run->t;
+  const lamc_real stop = lamc_run_stop(run), rest = stop - run->t;
   *is_last = 1.01 * run->h >= rest;                  /* stretched a little, so that no sliver remains */
   *h = *is_last ? rest : (run->t + run->h) - run->t; /* what t really moves by */
   run->h_free = *is_last && stop < run->t_end ? run->h : 0.0;

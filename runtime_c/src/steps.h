@@ -7,6 +7,9 @@
 
 #include "method.h"
 
+/* Where the step under way ends at most, s */
+lamc_real lamc_run_stop(const lamc_run *run);
+
 /* The length of the next step, and whether it is the last. LAMC_OK, or what ends the run before it. */
 lamc_status lamc_run_next(lamc_run *run, lamc_real *h, int *is_last);
 

@@ -21,7 +21,9 @@
 #define LAMC_TRIG_UNUSED
 #endif
 
-#if defined(__FAST_MATH__) || (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1)
+/* 16: as 0 for doubles; only numbers of half precision are kept as such (gcc for machines with AVX512-FP16) */
+#if defined(__FAST_MATH__) ||                                                                                \
+    (defined(FLT_EVAL_METHOD) && FLT_EVAL_METHOD != 0 && FLT_EVAL_METHOD != 1 && FLT_EVAL_METHOD != 16)
 #ifdef LAMC_BARE
 #error "without a mathematical library sine and cosine need IEEE 754: no -ffast-math, and SSE2 instead of x87"
 #else

@@ -12,45 +12,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import lamc
-from lamc.commands.examples import mechanism_of_example
-from lamc.examples import find
 from lamc.run.request import Status
-from lamc.run.simulator import Simulator
+from tests.support.ensembles import assert_alike, spread
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
 from tests.support.mechanisms import ALL_PASSIVE, chain, random_tree
 from tests.support.quick import tries
 
 T = np.linspace(0.0, 0.5, 6)  # s
-
-
-def assert_alike(sim: Simulator, many: Any, parameters: dict[str, Any], **how: Any) -> None:
-    """Every instance is `Simulator.run` with its parameters: rows, end, steps and events, without a tolerance."""
-    for k in range(len(many)):
-        values = {name: float(v[k]) for name, v in parameters.items()}
-        one = sim.run(parameters=values, t_eval=many.t, **how)
-        assert int(many.status[k]) == int(one.status), k
-        rows = len(one.t) if one.success else int(np.isfinite(many.q[k]).all(axis=1).sum())
-        assert np.isnan(many.q[k, rows:]).all()
-        assert many.q[k, :rows].tobytes() == one.q[:rows].tobytes(), k
-        assert many.u[k, :rows].tobytes() == one.u[:rows].tobytes(), k
-        assert (many.stats.evaluations[k], many.stats.accepted[k], many.stats.rejected[k]) == (
-            one.stats.evaluations,
-            one.stats.accepted,
-            one.stats.rejected,
-        )
-        assert many.stats.events[k] == len(one.events)
-        assert many.stats.integrators[k] == one.stats.integrator.split(", ")[-1]
-
-
-def spread(sim: Simulator, count: int, seed: int) -> dict[str, Any]:
-    """Values of all parameters around their defaults, zeros as they are."""
-    rng = np.random.default_rng(seed)
-    return {
-        name: value * rng.uniform(0.9, 1.1, count)
-        for name, value in sim.parameters.items()
-        if not name.endswith(("restitution", "_limit"))
-    }
 
 
 @settings(max_examples=tries(20), deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -251,25 +220,6 @@ def test_a_start_that_an_effect_refuses_is_one_instance_without_rows() -> None:
     assert "did not start" in many.message(1)
     with pytest.raises(lamc.RequestError, match="instance 1 did not start"):
         many.result(1)
-
-
-def test_instances_with_loops_run_by_themselves_and_say_so() -> None:
-    """Each is closed around its own angle; one that cannot be is an instance without rows."""
-    mechanism = mechanism_of_example(find("four_bar"))
-    scene = mechanism.scene or lamc.Scene()
-    sim = lamc.compile(mechanism, scene)
-    joint = sim.joints[0]
-    angles = sim.start[0] + np.array([0.0, 0.02, -0.03])
-    many = sim.ensemble(0.1, 1e-7, angles={joint: np.append(angles, -1.0)})
-    assert many.stats.lanes == 1
-    assert "loops" in many.stats.why_alone
-    for k, angle in enumerate(angles):
-        own = replace(scene, angles={**scene.angles, joint: float(angle)})
-        one = lamc.compile(mechanism, own).run(0.1, 1e-7, t_eval=[0.0, 0.1])
-        assert many.q[k].tobytes() == one.q.tobytes()
-        assert many.u[k].tobytes() == one.u.tobytes()
-    assert many.status.tolist() == [0, 0, 0, int(Status.FAILED)]
-    assert joint in many.message(3)
 
 
 def test_another_design_of_the_topology_has_ensembles_of_its_own() -> None:

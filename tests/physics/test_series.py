@@ -23,6 +23,7 @@ from lamc.reference.interpreter import Interpreter
 from lamc.run.simulator import Simulator
 from tests.support.closed_mechanisms import closed_mechanism
 from tests.support.ctools import needs_cc
+from tests.support.ensembles import assert_alike
 from tests.support.mechanisms import chain, random_state
 
 pytestmark = needs_cc
@@ -289,17 +290,27 @@ def test_a_stop_is_struck_within_a_kinked_torque(hold: str) -> None:
     assert result.events[0].t == pytest.approx(reached, abs=2e-6)  # the spacing of the times looked at
 
 
-def test_an_ensemble_follows_as_single_runs_do() -> None:
-    sim = driven(Series(TIMES, VALUES), Gravity((0.0, 0.0, -G)), HingeDamping())
-    many = sim.ensemble(t_end=1.1, angles={"h": np.array([0.0, 0.1, 0.2])})
-    assert many.success.all()
-    assert "series" in many.stats.why_alone
-    for k in range(3):
-        assert np.array_equal(many.result(k).q[-1], many.q[k, -1])
-    exact = pendulum_by_hand(table("linear"), TIMES, 1.1, 0.2)
-    assert many.q[2, -1, 0] == pytest.approx(exact[0], abs=1e-7)  # some hundred steps at 1e-9
+@pytest.mark.parametrize("hold", ["previous", "linear", "cubic"])
+@pytest.mark.parametrize("integrator", ["rk45", "dop853", "auto"])
+def test_an_ensemble_follows_as_single_runs_do(hold: str, integrator: str) -> None:
+    """Side by side, each at times of its own; rows lie at breaks, beside them and between."""
+    sim = driven(Series(TIMES, VALUES, hold), Gravity((0.0, 0.0, -G)), HingeDamping())
+    rows = np.unique(np.concatenate([np.linspace(0.0, 1.1, 45), TIMES]))
+    parameters = {"bob.mass": M * np.linspace(0.9, 1.1, 11)}
+    how = {"t_end": 1.1, "rtol": 1e-8, "integrator": integrator}
+    many = sim.ensemble(t_eval=rows, parameters=parameters, **how)
+    assert many.stats.lanes in (2, 4, 8)
+    assert many.stats.why_alone == ""
+    assert_alike(sim, many, parameters, **how)
     with pytest.raises(DesignError, match="before the run does"):
         sim.ensemble(t_end=3.0)
+
+
+def test_instances_that_follow_reach_what_is_known() -> None:
+    sim = driven(Series(TIMES, VALUES), Gravity((0.0, 0.0, -G)), HingeDamping())
+    many = sim.ensemble(t_end=1.1, angles={"h": np.array([0.0, 0.1, 0.2])})
+    exact = pendulum_by_hand(table("linear"), TIMES, 1.1, 0.2)
+    assert many.q[2, -1, 0] == pytest.approx(exact[0], abs=1e-7)  # some hundred steps at 1e-9
 
 
 @pytest.mark.parametrize("hold", ["previous", "linear", "cubic"])

@@ -188,6 +188,17 @@ def test_the_header_is_strict_c_plus_plus_too(tmp_path: Path) -> None:
         )
 
 
+def test_machines_with_half_precision_take_the_same_sines(tmp_path: Path) -> None:
+    """gcc -march=sapphirerapids says FLT_EVAL_METHOD = 16, where doubles are doubles: nothing is left to libm."""
+    text = '#include <float.h>\n#undef FLT_EVAL_METHOD\n#define FLT_EVAL_METHOD {}\n#include "trig.h"\n'
+    for method, own in ((0, True), (16, True), (2, False)):
+        (tmp_path / "half.c").write_text(
+            text.format(method) + f"#if {int(own)} != defined(LAMC_TRIG_TO_WHOLE)\n#error\n#endif\n",
+            encoding="utf-8",
+        )
+        cc(tmp_path, f"-I{SOURCES}", f"-I{RUNTIME / 'include'}", "-fsyntax-only", "half.c")
+
+
 def test_rows_are_sines_and_the_turn_is_a_turn() -> None:
     text = (SOURCES / "trig_rows.h").read_text(encoding="utf-8")
     rows = [tuple(map(float, row)) for row in re.findall(r"\{(\S+), (\S+)\}", text)]

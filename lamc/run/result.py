@@ -29,6 +29,7 @@ from lamc.run.model import Motion, Unchanging
 from lamc.run.quantities import Quantity, quantity_of
 from lamc.run.request import Array, Status
 from lamc.run.run_record import Event, Provenance, RunStats
+from lamc.run.taping import Tape
 from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:
@@ -71,6 +72,7 @@ class Result(GivenOut, Viewable, Unchanging):
     telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
     sensitivities: Sensitivities | None = None  # where the run was differentiated
     kept: Kept | None = field(default=None, repr=False)  # where the run kept the energy balance
+    tape: Tape | None = field(default=None, repr=False)  # where the run kept its steps; it is not pickled
 
     def __post_init__(self) -> None:
         for array in (self.t, self.q, self.u):
@@ -81,7 +83,8 @@ class Result(GivenOut, Viewable, Unchanging):
         return f"<Result of {self.provenance.design!r}: {len(self.t)} rows, {n} joints; {self.message}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(type(self), **{each.name: getattr(self, each.name) for each in fields(self)}), ()
+        kept = [each.name for each in fields(self) if each.name != "tape"]
+        return partial(type(self), **{name: getattr(self, name) for name in kept}), ()
 
     @property
     def success(self) -> bool:
@@ -105,7 +108,8 @@ class Result(GivenOut, Viewable, Unchanging):
         found = self.sensitivities
         if found is not None:
             found = replace(found, values=found.values[keep])
-        return replace(self, t=self.t[keep], q=self.q[keep], u=self.u[keep], kept=kept, sensitivities=found)
+        rows = {"t": self.t[keep], "q": self.q[keep], "u": self.u[keep]}
+        return replace(self, **rows, kept=kept, sensitivities=found, tape=None)
 
     @property
     def nfev(self) -> int:

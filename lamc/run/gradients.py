@@ -1,0 +1,130 @@
+"""The gradient of a number that a run gives, by as many parameters as there are: a discrete adjoint.
+
+In: a taped result, and what the number weighs each row with: derivatives by its state, by poses and by energies. Out:
+derivatives by parameters, dimensions of the design, angles and rates of the start. The way back along the tape costs some
+evaluations for each stage of the run, however many names there are; each name costs a product, a dimension what
+`sensitivities` takes for it. Never: integrates anew; leaves a derivative out in silence.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from lamc.basics.errors import RequestError, SimulationError
+from lamc.mechanics.tangents import parameter_key
+from lamc.run.derivatives import ANGLES, RATES
+from lamc.run.request import Array
+from lamc.run.sensitivities import WHY, checked_names, pace_of
+from lamc.run.start_slopes import slope_of_start
+from lamc.run.taping import Tape
+
+if TYPE_CHECKING:
+    from lamc.run.result import Result
+
+IMPACT = 5
+REASONS = {**WHY, IMPACT: "there is an impact, which only sensitivities go through"}
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """What a number weighs the rows of a run with: its derivatives by them.
+
+    states    (m, nq + nu)
+    poses     (m, bodies, 12), by those of moving bodies; None: it asks for none
+    energies  (m, energies); None: it asks for none
+    """
+
+    states: Array
+    poses: Array | None = None
+    energies: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Pulled:
+    """Derivatives of a number of a run.
+
+    inputs  (inputs,): by what `setup` is given, parameters, then numbers of the drawing
+    start   (nq + nu,): by the state where the run begins
+    """
+
+    inputs: Array
+    start: Array
+
+
+def pulled_back(result: "Result", weights: Weights) -> Pulled:
+    """The way back. Raises RequestError for a result without a tape, SimulationError where there is no gradient."""
+    tape = checked_tape(result)
+    model, motion = tape.motion.model, tape.motion
+    ffi, lib = model.ffi, model.lib
+    pullbacks = lib.lamc_this_pullbacks()
+    t, y = np.ascontiguousarray(result.t), np.ascontiguousarray(result.y.T)
+    seeds = np.array(weights.states, dtype=np.float64, order="C")
+    work = np.zeros(max(int(lib.lamc_adjoint_work_size(model.handle, pullbacks)), 1))
+    adjoint: Any = ffi.new("lamc_adjoint *")
+    at = ffi.from_buffer("long long[]", tape.at)
+    kept = [None if each is None else np.ascontiguousarray(each) for each in (weights.poses, weights.energies)]
+    outputs = [ffi.NULL if each is None else model.read(each) for each in kept]
+    with motion.opened() as handle:
+        rows = (model.read(t), model.read(y), at, model.read(seeds), len(t))
+        lib.lamc_adjoint_start(adjoint, handle, pullbacks, *rows, result.stats.rtol, model.write(work))
+        if any(each is not None for each in kept):
+            lib.lamc_adjoint_outputs(adjoint, len(t), model.read(t), model.read(y), *outputs, model.write(seeds))
+        # Guards of rows outside a run are sensed anew: the run goes by its own again.
+        _back(tape, adjoint, result)
+    state = np.array([adjoint.state[i] for i in range(model.state_size)])
+    inputs = np.zeros(max(len(motion.parameters), 1))
+    pullbacks.setup(model.read(motion.constants), adjoint.sources, model.write(inputs))
+    found = Pulled(inputs, state)
+    if not (np.isfinite(inputs).all() and np.isfinite(state).all()):
+        raise SimulationError("there is no gradient: derivatives grow beyond all numbers")
+    return found
+
+
+def _back(tape: Tape, adjoint: Any, result: "Result") -> None:
+    model = tape.motion.model
+    record: Any = model.ffi.new("lamc_tape *")
+    first = sum(count for _, count in tape.chunks)
+    for entries, count in reversed(tape.chunks):
+        first -= count
+        record.entries = model.write(entries.reshape(-1))
+        record.capacity, record.count = len(entries), count
+        model.lib.lamc_adjoint_back(adjoint, record, first)
+        if adjoint.lost:
+            guard = f" ({model.guards[adjoint.lost_guard]!r})" if adjoint.lost_guard >= 0 else ""
+            raise SimulationError(
+                f"there is no gradient: at t = {float(adjoint.t_lost):.9g} s, {REASONS[int(adjoint.lost)]}{guard}"
+            )
+    start = np.ascontiguousarray(tape.request.y0) if tape.request else result.y[:, 0].copy()
+    model.lib.lamc_adjoint_end(adjoint, 0.0, model.read(start))
+
+
+def checked_tape(result: "Result") -> Tape:
+    if result.tape is None:
+        raise RequestError("the run was not taped: run it with taped=True")
+    if not result.success:
+        raise SimulationError(f"there is no gradient of a run that did not reach its end: {result.message}")
+    return result.tape
+
+
+def by_names(result: "Result", names: Sequence[str] | None, pulled: Pulled) -> dict[str, float]:
+    """Derivatives by names, SI; None: by all parameters of the model. Of dimensions without what they do to outputs beside
+    the motion (`moved_beside`)."""
+    tape = checked_tape(result)
+    simulator, model = tape.simulator, tape.motion.model
+    asked = tuple(model.parameters) if names is None else checked_names(simulator, names)
+    place = {name: k for k, name in enumerate(model.parameters)}
+    given = [place[name] for name in tape.parameters if name in place]
+    found: dict[str, float] = {}
+    for name in asked:
+        if name in place:
+            found[name] = float(pulled.inputs[place[name]])
+        elif name.startswith((ANGLES, RATES)):
+            found[name] = float(pulled.start @ slope_of_start(simulator, name))
+        else:
+            pace = pace_of(simulator, name, lambda each: each.with_pullbacks)
+            inputs = pace.inputs.copy()
+            inputs[given] = 0.0  # what is given does not follow from the drawing
+            found[name] = float(pulled.inputs[: len(inputs)] @ inputs + pulled.start @ pace.start)
+    return found

@@ -78,6 +78,7 @@ from lamc.run.linear_model import LinearModel
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from lamc.run.vibration import Modes
+from lamc.studies.gradient import Gradient, gradient
 from lamc.studies.optimise import optimise
 from lamc.studies.sweep import sweep
 
@@ -107,6 +108,7 @@ __all__ = [
     "FlexibleLinks",
     "Free",
     "FreeBase",
+    "Gradient",
     "Gravity",
     "GroundContact",
     "HingeDamping",
@@ -147,6 +149,7 @@ __all__ = [
     "convert",
     "export",
     "fit",
+    "gradient",
     "load",
     "load_scene",
     "optimise",

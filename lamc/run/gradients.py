@@ -7,7 +7,7 @@ evaluations for each stage of the run, however many names there are; each name c
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,11 +34,13 @@ class Weights:
     states    (m, nq + nu)
     poses     (m, bodies, 12), by those of moving bodies; None: it asks for none
     energies  (m, energies); None: it asks for none
+    positions (m,) each, by positions of bodies and points, by name, which a dimension moves beside the motion
     """
 
     states: Array
     poses: Array | None = None
     energies: Array | None = None
+    positions: Mapping[str, Array] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ differences of order 4 of what splitting and closing give, some 1e-10 of them; w
 as a vanishing edge makes them, the name is refused.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -177,6 +177,14 @@ def pace_of(simulator: "Simulator", name: str, modelled: "Callable[[Simulator], 
 
     found = agreed(numbers, step, name)
     return Pace(found[:count], found[count:], step)
+
+
+def drawn_beside(simulator: "Simulator", name: str) -> "Iterator[tuple[float, Mechanism]]":
+    """Drawings with other values of a dimension, and their parts in a difference."""
+    value = _source(simulator).parameters[name].default
+    step = STEP * abs(value) if value else STEP
+    for place, weight in zip(PLACES, WEIGHTS, strict=True):
+        yield weight / step, _at(simulator, name, place * step).mechanism
 
 
 def _motion(

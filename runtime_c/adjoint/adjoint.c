@@ -9,8 +9,6 @@
 #include "back_steps.h"
 #include "guards.h"
 
-enum { WARY = 6 }; /* entries behind an event whose steps may be too long for derivatives */
-
 static long long whole(long long size) {
   return (size + LANES - 1) / LANES * LANES;
 }
@@ -84,19 +82,15 @@ static void go_to(lamc_adjoint *a, const entry *e) {
   }
 }
 
-/* 1 if an event happened so short before that forces may still be rough */
-static int is_wary(const lamc_adjoint *a, const lamc_tape *tape, long long index) {
-  if (a->motion.model->table_count > 0) return 1;
-  if (a->motion.model->guard_count == 0) return 0;
-  for (long long i = index - 1; i >= 0 && i >= index - WARY; i--)
-    if (*lamc_entry_at(a->motion.model, tape->entries, i).kind == ENTRY_EVENT) return 1;
-  return 0;
+/* 1 if forces may be rough within a step: where they begin or end with a power of time, or follow a table */
+static int is_wary(const lamc_adjoint *a) {
+  return a->motion.model->table_count > 0 || a->motion.model->guard_count > 0;
 }
 
-static void step_back(lamc_adjoint *a, const room *r, const lamc_tape *tape, long long index, const entry *e) {
+static void step_back(lamc_adjoint *a, const room *r, const entry *e) {
   const stretch s = {*e->t_old, *e->t, *e->h, e->before, e->after};
   if (lamc_is_replayed((int)*e->method)) {
-    lamc_replay_back(a, r, (int)*e->method, &s, is_wary(a, tape, index));
+    lamc_replay_back(a, r, (int)*e->method, &s, is_wary(a));
   } else if (!lamc_collocate_back(a, r, &s, e->nodes)) {
     lamc_no_gradient_from(a, *e->t_old, LAMC_GRADIENT_NOT_FINITE, -1);
   }
@@ -113,7 +107,7 @@ lamc_status lamc_adjoint_back(lamc_adjoint *a, const lamc_tape *tape, long long 
     if (*e.singular > 0) lamc_no_gradient_from(a, *e.t, LAMC_GRADIENT_SINGULAR, -1);
     go_to(a, &e);
     if (is_step) {
-      step_back(a, &r, tape, i, &e);
+      step_back(a, &r, &e);
     } else {
       lamc_event_back(a, &r, &e);
     }

@@ -13,8 +13,9 @@ typedef struct stretch {
   const lamc_real *before, *after;
 } stretch;
 
-/* Of an error in a step, over the size of the derivatives, what the tolerance of the run allows: as in finely.h */
-static const lamc_real ADJOINT_PER_RTOL = 1e3;
+/* Of an error of derivatives in a step, over their size, what the tolerance of the run allows. finely.h looks at one column at a
+ * time and allows more; here what weighs all of the state is looked at. */
+static const lamc_real ADJOINT_PER_RTOL = 10;
 
 static inline lamc_real *lamc_of_stage(const room *r, lamc_real *rows, int stage) {
   return rows + (ptrdiff_t)stage * r->n;
@@ -142,12 +143,14 @@ static inline void lamc_weights_back(lamc_adjoint *a, const room *r, const table
   for (int stage = b->last - 1; stage >= 0; stage--) lamc_stage_back(a, r, b, s, stage, begin, a->sources);
 }
 
-/* The same over the step in parts by DOP853, each half as long as the next, so that the first ones are short enough for
- * whatever began there. `end` is replaced by the derivatives by where the step began. */
+/* The same over the step in parts by DOP853, half as long as the next ones towards both ends, so that those are short enough
+ * for whatever begins or ends there. `end` is replaced by the derivatives by where the step began. */
 static inline void lamc_finely_back(lamc_adjoint *a, const room *r, const stretch *s, lamc_real *end) {
   const tableau b = lamc_tableau(LAMC_DOP853);
   lamc_real at[FINE_PARTS + 1] = {0};
-  for (int k = 1; k <= FINE_PARTS; k++) at[k] = ldexp(s->h, k - FINE_PARTS);
+  for (int k = 1; k < FINE_PARTS; k++)
+    at[k] = k <= FINE_PARTS / 2 ? ldexp(s->h, k - FINE_PARTS / 2 - 1) : s->h - ldexp(s->h, FINE_PARTS / 2 - k - 1);
+  at[FINE_PARTS] = s->h;
   memcpy(r->fine, s->before, (size_t)r->n * sizeof *end);
   for (int way = 0; way < 2; way++) {
     for (int i = 0; i < FINE_PARTS; i++) {

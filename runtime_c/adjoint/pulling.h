@@ -15,7 +15,7 @@
 #include "series.h"
 #include "system.h"
 
-enum { STAGES = 16, FINE_PARTS = 12 };
+enum { STAGES = 16, FINE_PARTS = 24 };
 
 /* Counts of a model, and where its parts lie in scratch. slopes, states, weights of slopes: (STAGES, n); fine: states at the
  * ends of the parts of a step */

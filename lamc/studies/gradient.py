@@ -1,0 +1,85 @@
+"""`lamc.gradient`: derivatives of a measure of a run by any number of parameters, by the run's own steps backwards.
+
+In: a taped result, a measure, names. Out: a `Gradient`. The cost is that of some evaluations for each stage of the run,
+whatever the number of names; sensitivities, which give derivatives of all outputs, cost more with each. Never: runs anything.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from lamc.basics.errors import RequestError, SimulationError
+from lamc.basics.readonly import ReadOnlyDict
+from lamc.run.derivatives import ANGLES, RATES
+from lamc.run.gradients import by_names, checked_tape, pulled_back
+from lamc.run.quantity_slopes import moved_beside, weights_of
+from lamc.run.result import Result
+from lamc.studies.measure_names import NOTHING_GIVEN
+from lamc.studies.measures import Measure, outputs_of
+
+if TYPE_CHECKING:
+    from lamc.run.simulator import Simulator
+
+
+@dataclass(frozen=True)
+class Gradient(Mapping[str, float]):
+    """Derivatives of a measure by names, in its unit over the SI unit of each.
+
+    value    of the measure, in `unit`
+    """
+
+    value: float
+    unit: str
+    derivatives: Mapping[str, float] = field(default_factory=lambda: ReadOnlyDict({}))
+
+    def __getitem__(self, name: str) -> float:
+        return self.derivatives[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.derivatives)
+
+    def __len__(self) -> int:
+        return len(self.derivatives)
+
+
+def gradient(
+    result: Result,
+    measure: str | Measure,
+    names: Sequence[str] | None = None,
+    given: Mapping[str, float] = NOTHING_GIVEN,
+) -> Gradient:
+    """Derivatives of a measure of a run by parameters: by all of them at the cost of a few runs.
+
+    result   of `Simulator.run(…, taped=True)`
+    measure  text, such as "max(tip.z)" or "rms(h2 - 10 deg)" (`lamc.studies.measures`)
+    names    parameters of the model, dimensions of the design, "angles.JOINT" and "rates.JOINT" of the start; None: all
+             parameters of the model. A dimension takes some milliseconds besides, as its drawing is split anew
+    given    what was varied, SI, by name, where the measure names it
+
+    The derivatives are those of what the run computes at the steps that it takes, as `Simulator.run(sensitivities=…)` has
+    them, and extremes, averages and crossings are followed as the measure reads them off the rows. Raises RequestError for
+    measures and names without a gradient, SimulationError where the run has none, with the instant and the reason."""
+    simulator = checked_tape(result).simulator
+    measure = _checked(measure, simulator)
+    value = measure.value(result, given)
+    if not math.isfinite(value):
+        raise SimulationError(f"the measure {measure.text!r} is {value}, which has no gradient")
+    gathered = measure.slopes(result, given)
+    weights = weights_of(result, gathered.quantities)
+    found = by_names(result, names, pulled_back(result, weights))
+    for name in found:
+        if name not in simulator.parameters and not name.startswith((ANGLES, RATES)):
+            found[name] += moved_beside(result, weights, name)
+        found[name] += gathered.given.get(name, 0.0)
+    return Gradient(value, measure.unit, ReadOnlyDict(found))
+
+
+def _checked(measure: object, simulator: "Simulator") -> Measure:
+    made = measure if isinstance(measure, Measure) else Measure.parse(measure, outputs_of(simulator))  # type: ignore[arg-type]
+    if made.function is not None:
+        raise RequestError(
+            f"the measure {made.text!r} is a function, whose derivatives are not known; write it as text, such as "
+            "'max(tip.z)', or take sensitivities"
+        )
+    return made

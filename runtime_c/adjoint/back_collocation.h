@@ -41,7 +41,8 @@ static inline int lamc_solve_square(int n, lamc_real *a, lamc_real *x) {
   return 1;
 }
 
-static inline const lamc_real *lamc_node_state(const room *r, const stretch *s, const lamc_real *nodes, int node) {
+static inline const lamc_real *lamc_node_state(const room *r, const stretch *s, const lamc_real *nodes,
+                                               int node) {
   return node + 1 == RADAU_NODES ? s->after : nodes + (ptrdiff_t)node * r->n;
 }
 
@@ -50,7 +51,8 @@ static inline lamc_real lamc_node_time(const stretch *s, int node) {
 }
 
 /* f_y (n, n) at each node */
-static inline void lamc_node_jacobians(lamc_adjoint *a, const room *r, const stretch *s, const lamc_real *nodes) {
+static inline void lamc_node_jacobians(lamc_adjoint *a, const room *r, const stretch *s,
+                                       const lamc_real *nodes) {
   lamc_real *unit = r->first;
   memset(r->jacobian, 0, RADAU_NODES * (size_t)r->n * (size_t)r->n * sizeof *unit);
   memset(unit, 0, (size_t)r->n * sizeof *unit);
@@ -84,7 +86,8 @@ static inline void lamc_collocated_back(const room *r, const stretch *s, lamc_re
 
 /* `a->state`, derivatives by the state at the end of a step of an implicit method, replaced by those where it began. 0: the step
  * is too long for its equation */
-static inline int lamc_collocate_back(lamc_adjoint *a, const room *r, const stretch *s, const lamc_real *nodes) {
+static inline int lamc_collocate_back(lamc_adjoint *a, const room *r, const stretch *s,
+                                      const lamc_real *nodes) {
   const int n = r->n, all = RADAU_NODES * n;
   lamc_real x = 0;
   memset(r->right, 0, (size_t)all * sizeof *r->right);

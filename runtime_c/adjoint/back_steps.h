@@ -102,8 +102,7 @@ static inline lamc_real lamc_error_back(lamc_adjoint *a, const room *r, const ta
                                         const lamc_real *estimate, int count, const lamc_real *end) {
   memset(r->pulls, 0, STAGES * (size_t)r->n * sizeof *end);
   memset(r->error, 0, (size_t)r->n * sizeof *end);
-  for (int j = 0; j < count; j++)
-    lamc_add_to(r->n, s->h * estimate[j], end, lamc_of_stage(r, r->pulls, j));
+  for (int j = 0; j < count; j++) lamc_add_to(r->n, s->h * estimate[j], end, lamc_of_stage(r, r->pulls, j));
   if (count > b->last) { /* its slope is of the end of the step, which all others make */
     lamc_stage_back(a, r, b, s, b->last, r->error, NULL);
     for (int j = 0; j < b->last; j++)
@@ -149,7 +148,8 @@ static inline void lamc_finely_back(lamc_adjoint *a, const room *r, const stretc
   const tableau b = lamc_tableau(LAMC_DOP853);
   lamc_real at[FINE_PARTS + 1] = {0};
   for (int k = 1; k < FINE_PARTS; k++)
-    at[k] = k <= FINE_PARTS / 2 ? ldexp(s->h, k - FINE_PARTS / 2 - 1) : s->h - ldexp(s->h, FINE_PARTS / 2 - k - 1);
+    at[k] = k <= FINE_PARTS / 2 ? ldexp(s->h, k - FINE_PARTS / 2 - 1)
+                                : s->h - ldexp(s->h, FINE_PARTS / 2 - k - 1);
   at[FINE_PARTS] = s->h;
   memcpy(r->fine, s->before, (size_t)r->n * sizeof *end);
   for (int way = 0; way < 2; way++) {
@@ -157,7 +157,8 @@ static inline void lamc_finely_back(lamc_adjoint *a, const room *r, const stretc
       const int k = way == 0 ? i : FINE_PARTS - 1 - i;
       lamc_real *here = lamc_of_stage(r, r->fine, k), *there = here + r->n, moved = 0;
       const lamc_real h = at[k + 1] - at[k];
-      const stretch part = {s->t_old + at[k], k + 1 == FINE_PARTS ? s->t : s->t_old + at[k + 1], h, here, there};
+      const stretch part = {s->t_old + at[k], k + 1 == FINE_PARTS ? s->t : s->t_old + at[k + 1], h, here,
+                            there};
       if (way == 1 && k + 1 < FINE_PARTS) lamc_pull_settle(a, r, part.t, there, end);
       lamc_stages(a, r, &b, &part, 0, b.last);
       if (way == 0) {
@@ -177,8 +178,8 @@ static inline void lamc_finely_back(lamc_adjoint *a, const room *r, const stretc
 }
 
 /* `a->state`, derivatives by the state at the end of a step of an explicit method, replaced by those where it began */
-static inline void lamc_replay_back(lamc_adjoint *a, const room *r, int method, const stretch *s, int check) {
-  const tableau b = lamc_tableau(method);
+static inline void lamc_replay_back(lamc_adjoint *a, const room *r, int which, const stretch *s, int check) {
+  const tableau b = lamc_tableau(which);
   const size_t bytes = (size_t)r->n * sizeof *a->state;
   lamc_real x = 0;
   int has_rows = 0;

@@ -54,12 +54,12 @@ typedef struct lamc_taped {
   lamc_motion motion; /* the run's: the first member, since callbacks of the run are given its address */
   lamc_run run;
   lamc_tape *tape;
-  long long total;        /* entries so far, of all tapes */
-  lamc_real t;            /* s, of the end of the last entry */
-  lamc_real t_break;      /* s, of the last break of a series that was passed */
-  long long next;         /* the break that ends the step under way */
-  long long singular;     /* steps so far at whose end loops had let equations go */
-  int overflow;           /* 1: the tape was full, and an entry is missing */
+  long long total;    /* entries so far, of all tapes */
+  lamc_real t;        /* s, of the end of the last entry */
+  lamc_real t_break;  /* s, of the last break of a series that was passed */
+  long long next;     /* the break that ends the step under way */
+  long long singular; /* steps so far at whose end loops had let equations go */
+  int overflow;       /* 1: the tape was full, and an entry is missing */
 } lamc_taped;
 
 /* Numbers of an entry; and entries that must be free before a step is taken */
@@ -90,14 +90,14 @@ typedef struct lamc_adjoint {
   const lamc_pullbacks *pullbacks;
   const lamc_real *row_t, *row_y, *seeds; /* of the rows: times, states (n,), and derivatives (n,) by them */
   const long long *row_at;
-  long long rows;            /* that are still to come */
-  lamc_real rtol;            /* of the run */
-  lamc_real *state;          /* (n,): derivatives by the state where the way back stands */
-  lamc_real *sources;        /* (source_count,): by the sources */
+  long long rows;     /* that are still to come */
+  lamc_real rtol;     /* of the run */
+  lamc_real *state;   /* (n,): derivatives by the state where the way back stands */
+  lamc_real *sources; /* (source_count,): by the sources */
   lamc_real *scratch;
-  long long next;            /* the break that ends the step under way */
+  long long next; /* the break that ends the step under way */
   long long evaluations, pulls, refined;
-  int lost, lost_guard;      /* lamc_no_gradient: why, and at which guard */
+  int lost, lost_guard; /* lamc_no_gradient: why, and at which guard */
   lamc_real t_lost;
 } lamc_adjoint;
 

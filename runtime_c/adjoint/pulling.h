@@ -34,18 +34,35 @@ static inline long long lamc_scratch_of(const lamc_model *model, const lamc_pull
   const long long nq = model->coordinate_count, nu = model->rate_count, m = model->closure_count, n = nq + nu;
   long long weights = lamc_most(nq + nu + m, 2 * m);
   weights = lamc_most(weights, model->guard_count);
-  const long long sizes[] = {nu, m, m, weights, n + 1 + pullbacks->source_count, STAGES * n, STAGES * n,
-                             STAGES * n, STAGES * n, n, n, n, n, n, n, RADAU_NODES * n * n, RADAU_NODES * n * RADAU_NODES * n,
-                             RADAU_NODES * n, (FINE_PARTS + 1) * n};
+  const long long sizes[] = {nu,
+                             m,
+                             m,
+                             weights,
+                             n + 1 + pullbacks->source_count,
+                             STAGES * n,
+                             STAGES * n,
+                             STAGES * n,
+                             STAGES * n,
+                             n,
+                             n,
+                             n,
+                             n,
+                             n,
+                             n,
+                             RADAU_NODES * n * n,
+                             RADAU_NODES * n * RADAU_NODES * n,
+                             RADAU_NODES * n,
+                             (FINE_PARTS + 1) * n};
   enum { PARTS = sizeof sizes / sizeof sizes[0] };
   long long at = 0;
   if (r == NULL) {
     for (int i = 0; i < PARTS; i++) at += sizes[i];
     return at;
   }
-  lamc_real **const parts[PARTS] = {&r->udot,   &r->lambda, &r->none,  &r->weights, &r->out,
-                                    &r->slopes, &r->states, &r->pulls, &r->kept, &r->first,   &r->second,
-                                    &r->third, &r->begin, &r->seed, &r->error,  &r->jacobian, &r->matrix, &r->right, &r->fine};
+  lamc_real **const parts[PARTS] = {&r->udot,     &r->lambda, &r->none,  &r->weights, &r->out,
+                                    &r->slopes,   &r->states, &r->pulls, &r->kept,    &r->first,
+                                    &r->second,   &r->third,  &r->begin, &r->seed,    &r->error,
+                                    &r->jacobian, &r->matrix, &r->right, &r->fine};
   for (int i = 0; i < PARTS; i++) {
     *parts[i] = scratch + at;
     at += sizes[i];
@@ -74,14 +91,14 @@ static inline int lamc_prepare(lamc_adjoint *a, const room *r, lamc_real t, cons
   lamc_series_put(&a->motion, t);
   if (lamc_is_plain(a->motion.model)) return 0;
   a->evaluations++;
-  if (a->motion.model->cut_count > 0)
-    return lamc_loops_acceleration(&a->motion, t, y, u, r->udot, r->lambda);
+  if (a->motion.model->cut_count > 0) return lamc_loops_acceleration(&a->motion, t, y, u, r->udot, r->lambda);
   lamc_motion_accelerate(&a->motion, t, y, u, r->udot);
   return 0;
 }
 
 /* dy/dt */
-static inline void lamc_slope(lamc_adjoint *a, const room *r, lamc_real t, const lamc_real *y, lamc_real *out) {
+static inline void lamc_slope(lamc_adjoint *a, const room *r, lamc_real t, const lamc_real *y,
+                              lamc_real *out) {
   a->evaluations++;
   lamc_motion_rates(&a->motion, y, y + r->nq, out);
   lamc_motion_accelerate(&a->motion, t, y, y + r->nq, out + r->nq);

@@ -8,6 +8,8 @@ r = M u̇ - f - Jᵀλ and c = J u̇ + γ that are weighed, as in `tangents`; an
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import TYPE_CHECKING, cast
 
 from lamc.basics.errors import RequestError
 from lamc.mechanics.equations import Equations
@@ -18,6 +20,9 @@ from lamc.symbolic.reverse import cotangents
 from lamc.symbolic.scalars import Scalar, Value
 from lamc.symbolic.staging import DrawnKey, Level
 from lamc.symbolic.statements import count_operations
+
+if TYPE_CHECKING:
+    from lamc.mechanics.derive import Problem
 
 MAX_FLOPS = 400_000  # of one evaluation: gcc takes some 20 s for so many
 _STATE = (Space.CONSTANT, Space.TIME, Space.ANGLE, Space.RATE)
@@ -44,6 +49,16 @@ ENERGY = (
     "derivatives of weighted energies by q, u and sources",
     (*_STATE, Space.WEIGHT),
 )
+SAMPLES = (
+    "sample_pullback",
+    "derivatives of weighted periods of the clocks, and of samples, by q, u and sources",
+    (*_STATE, Space.WEIGHT),
+)
+IMPACTS = (
+    "impact_pullback",
+    "derivatives of weighted restitutions and directions of impacts, less z M x, and of mu J z + eta J x",
+    (*_STATE, Space.WEIGHT),
+)
 SETUP = (
     "setup_pullback",
     "derivatives of weighted sources by parameters, then by numbers of the drawing",
@@ -53,11 +68,13 @@ SETUP = (
 
 @dataclass
 class Pullbacks:
-    """jobs: all but what parameters make of the sources. sources: nodes of the store, ascending."""
+    """jobs: all but what parameters make of the sources. sources: nodes of the store, ascending; behind them all have
+    what clocks hold, as by `held`."""
 
     equations: Equations
     jobs: list[Job] = field(default_factory=list)
     sources: tuple[int, ...] = ()
+    held: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         equations = self.equations
@@ -66,12 +83,15 @@ class Pullbacks:
             found.append(_closure(equations))
         if equations.guards:
             found.append(_weighed(equations, GUARDS, [terms.guard.value for terms in equations.guards]))
+        found += _events(equations)
         found.append(_weighed(equations, POSES, equations.poses))
         found.append(_weighed(equations, ENERGY, list(equations.energies.values())))
         store = equations.store
         self.sources = tuple(
             sorted({i for _, ends in found for i in ends if store.levels[i] == Level.PARAMETER})
         )
+        clocks = [terms.guard.clock for terms in equations.guards if terms.guard.clock is not None]
+        self.held = tuple(symbol.index for clock in clocks for symbol in clock.held)
         self.jobs = [(job, self._outputs(job[0], ends)) for job, ends in found]
         values = [value for _, outputs in self.jobs[:2] for value in outputs]
         flops = count_operations(store, values, Level.PARAMETER).flops
@@ -85,9 +105,9 @@ class Pullbacks:
         equations = self.equations
         state = [*_symbols(equations, "q"), *_symbols(equations, "u")]
         values = [ends.get(symbol.index, 0) for symbol in state]
-        if name == GUARDS[0]:
+        if name in (GUARDS[0], IMPACTS[0]):
             values.append(_by_time(equations, ends))
-        return [*values, *(ends.get(index, 0) for index in self.sources)]
+        return [*values, *(ends.get(index, 0) for index in (*self.sources, *self.held))]
 
     def setup(self, drawn: Sequence[DrawnKey]) -> Job:
         """What parameters and numbers of the drawing, in this order, make of the sources."""
@@ -144,3 +164,42 @@ def _closure(equations: Equations) -> tuple[tuple[str, str, tuple[Space, ...]], 
     assert equations.closure is not None
     values = [*equations.closure.residual, *drifts_of(equations, _symbols(equations, "u"))]
     return _weighed(equations, CLOSURE, values)
+
+
+def _events(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space, ...]], dict[int, Scalar]]]:
+    """Samples of clocks, and impacts, where there are any."""
+    terms = equations.guards
+    found = []
+    clocks = [each.guard.clock for each in terms if each.guard.clock is not None]
+    if clocks:
+        samples = [value for clock in clocks for value in clock.held.values()]
+        found.append(_weighed(equations, SAMPLES, [*(clock.period for clock in clocks), *samples]))
+    if any(each.guard.restitution is not None for each in terms):
+        nothing = (0,) * len(equations.rates)
+        values = [0 if each.guard.restitution is None else each.guard.restitution for each in terms]
+        values += [value for each in terms for value in each.gradient or nothing]
+        found.append(_weighed(equations, IMPACTS, [*values, _balance_of_impact(equations, len(values))]))
+    return found
+
+
+def _balance_of_impact(equations: Equations, first: int) -> Scalar:
+    """What a change of M and J makes of an impact's balance: less z M x, and mu J z + eta J x, whose factors stand behind the
+    first weights and one that is one."""
+    store, n = equations.store, len(equations.rates)
+    count = 0 if equations.closure is None else len(equations.closure.jacobian)
+    weights = _weights(equations, first + 1 + 2 * n + 2 * count)[first + 1 :]
+    z, x, mu, eta = (weights[a:b] for a, b in pairwise((0, n, 2 * n, 2 * n + count, 2 * n + 2 * count)))
+    with store.section("Balance of impacts", source="-z M x + mu J z + eta J x"):
+        if equations.is_recursive:
+            total: Scalar = 0
+            for a, momentum in zip(z, cast("Problem", equations.problem).momenta(x), strict=True):
+                total = total - a * momentum
+        else:
+            total = 0
+            for (i, j), entry in sorted(equations.inertia.items()):
+                pair = z[i] * x[j] if i == j else z[i] * x[j] + z[j] * x[i]
+                total = total - entry * pair
+        for k, row in enumerate(equations.closure.jacobian if equations.closure is not None else ()):
+            for j, entry in row:
+                total = total + entry * (mu[k] * z[j] + eta[k] * x[j])
+    return total

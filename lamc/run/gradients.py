@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
 from lamc.basics.errors import RequestError, SimulationError
 from lamc.mechanics.tangents import parameter_key
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from lamc.run.result import Result
 
 IMPACT = 5
-REASONS = {**WHY, IMPACT: "there is an impact, which only sensitivities go through"}
+_TICKS = "there is no derivative by {!r}: it moves the times at which a servo samples"
+REASONS = {**WHY, IMPACT: "an impact drives others within the instant"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +104,26 @@ def _back(tape: Tape, adjoint: Any, result: "Result") -> None:
     model.lib.lamc_adjoint_end(adjoint, 0.0, model.read(start))
 
 
+def _ticking(tape: Tape, result: "Result") -> npt.NDArray[np.bool_]:
+    """(inputs,): which of what `setup` is given move the times at which clocks sample."""
+    model, motion = tape.motion.model, tape.motion
+    found = np.zeros(max(len(motion.parameters), 1), dtype=bool)
+    pullbacks = model.lib.lamc_this_pullbacks()
+    clocks, held = int(model.handle.clock_count), int(model.handle.held_count)
+    start, nq = np.ascontiguousarray(result.y[:, 0]), len(model.coordinates)
+    for clock in range(clocks):
+        weights = np.zeros(clocks + held)
+        weights[clock] = 1.0
+        out, inputs = np.zeros(model.state_size + int(pullbacks.source_count) + held), np.zeros(len(found))
+        place = (0.0, model.read(start[:nq]), model.read(start[nq:]))
+        pullbacks.samples(model.read(motion.constants), *place, model.read(weights), model.write(out))
+        pullbacks.setup(
+            model.read(motion.constants), model.read(out[model.state_size :]), model.write(inputs)
+        )
+        found |= inputs != 0.0
+    return found
+
+
 def checked_tape(result: "Result") -> Tape:
     if result.tape is None:
         raise RequestError("the run was not taped: run it with taped=True")
@@ -111,15 +133,20 @@ def checked_tape(result: "Result") -> Tape:
 
 
 def by_names(result: "Result", names: Sequence[str] | None, pulled: Pulled) -> dict[str, float]:
-    """Derivatives by names, SI; None: by all parameters of the model. Of dimensions without what they do to outputs beside
+    """Derivatives by names, SI; None: by all parameters of the model but times at which servos sample. Of dimensions without what they do to outputs beside
     the motion (`moved_beside`)."""
     tape = checked_tape(result)
     simulator, model = tape.simulator, tape.motion.model
-    asked = tuple(model.parameters) if names is None else checked_names(simulator, names)
+    ticking = _ticking(tape, result)
+    silent = {name for name, moves in zip(model.parameters, ticking, strict=False) if moves}
+    usual = tuple(name for name in model.parameters if name not in silent)
+    asked = usual if names is None else checked_names(simulator, names)
     place = {name: k for k, name in enumerate(model.parameters)}
     given = [place[name] for name in tape.parameters if name in place]
     found: dict[str, float] = {}
     for name in asked:
+        if name in silent:
+            raise RequestError(_TICKS.format(name))
         if name in place:
             found[name] = float(pulled.inputs[place[name]])
         elif name.startswith((ANGLES, RATES)):
@@ -128,5 +155,7 @@ def by_names(result: "Result", names: Sequence[str] | None, pulled: Pulled) -> d
             pace = pace_of(simulator, name, lambda each: each.with_pullbacks)
             inputs = pace.inputs.copy()
             inputs[given] = 0.0  # what is given does not follow from the drawing
+            if np.any(ticking[: len(inputs)] & (inputs != 0.0)):
+                raise RequestError(_TICKS.format(name))
             found[name] = float(pulled.inputs[: len(inputs)] @ inputs + pulled.start @ pace.start)
     return found

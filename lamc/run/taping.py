@@ -56,12 +56,8 @@ def check_taped(integrator: str, is_more: bool, baumgarte: float) -> None:  # no
 
 
 def tape_of(simulator: "Simulator", parameters: Mapping[str, float | str]) -> Tape:
-    """An empty tape. Raises RequestError for models without gradients."""
+    """An empty tape."""
     model, keys = simulator.with_pullbacks
-    if model.has_clocks:
-        raise RequestError(
-            "there is no gradient of a run whose servo samples; leave its sample time out, or take sensitivities"
-        )
     return Tape(model.motion(parameters), keys, simulator, dict(parameters))
 
 

@@ -17,7 +17,8 @@ long long lamc_adjoint_work_size(const lamc_model *model, const lamc_pullbacks *
   if (model == NULL || pullbacks == NULL) return 0;
   const long long n = model->coordinate_count + model->rate_count;
   return whole(model->constant_count + 1) + whole(lamc_motion_work_size(model) + 1) + whole(n) +
-         whole(pullbacks->source_count + 1) + lamc_scratch_of(model, pullbacks, NULL, NULL);
+         whole(pullbacks->source_count + model->held_count + 1) +
+         lamc_scratch_of(model, pullbacks, NULL, NULL);
 }
 
 lamc_status lamc_adjoint_start(lamc_adjoint *a, const lamc_motion *motion, const lamc_pullbacks *pullbacks,
@@ -33,7 +34,7 @@ lamc_status lamc_adjoint_start(lamc_adjoint *a, const lamc_motion *motion, const
   a->motion.work = work + whole(model->constant_count + 1);
   a->state = a->motion.work + whole(lamc_motion_work_size(model) + 1);
   a->sources = a->state + whole(n);
-  a->scratch = a->sources + whole(pullbacks->source_count + 1);
+  a->scratch = a->sources + whole(pullbacks->source_count + model->held_count + 1);
   memcpy(a->motion.constants, motion->constants, (size_t)model->constant_count * sizeof *work);
   a->pullbacks = pullbacks;
   a->row_t = row_t;
@@ -57,9 +58,13 @@ static void take_rows(lamc_adjoint *a, lamc_real t, long long number) {
   }
 }
 
+/* 1 if nothing is weighed: no state, and nothing that a clock holds */
 static int is_zero(const lamc_adjoint *a, int n) {
+  const lamc_real *held = a->sources + a->pullbacks->source_count;
   for (int i = 0; i < n; i++)
     if (a->state[i] != 0) return 0;
+  for (int i = 0; i < a->motion.model->held_count; i++)
+    if (held[i] != 0) return 0;
   return 1;
 }
 
@@ -76,6 +81,7 @@ static void go_to(lamc_adjoint *a, const entry *e) {
   const lamc_model *model = a->motion.model;
   for (int g = 0; g < model->guard_count; g++)
     if (model->guard_modes[g] >= 0) a->motion.constants[model->guard_modes[g]] = e->modes[g];
+  for (int k = 0; k < model->held_count; k++) a->motion.constants[model->held[k]] = e->held[k];
   if (model->series_count > 0 && (long long)*e->next != a->next) {
     a->next = (long long)*e->next;
     lamc_series_pass(&a->motion, a->next);
@@ -122,6 +128,7 @@ lamc_status lamc_adjoint_end(lamc_adjoint *a, lamc_real t0, const lamc_real *y0)
   if (a == NULL || y0 == NULL) return LAMC_BAD_ARGUMENT;
   const room r = lamc_room_of(a);
   take_rows(a, t0, -1);
+  lamc_samples_back(a, &r, t0, y0, NULL);
   if (!is_zero(a, r.n)) lamc_pull_settle(a, &r, t0, y0, a->state);
   return LAMC_OK;
 }

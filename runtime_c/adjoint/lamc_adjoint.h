@@ -18,7 +18,7 @@ extern "C" {
 /* lamc: declarations begin */
 
 /* Derivatives of weighted sums of what a model gives. Generated C fills it; it never changes. Each writes derivatives by
- * q (nq,), u (nu,) and the sources (source_count,), values by parameters only. */
+ * q (nq,), u (nu,) and the sources: values by parameters only (source_count,), then what clocks hold (held_count,). */
 typedef struct lamc_pullbacks {
   int source_count;
   /* Of udot (nu,), where the model gives it; else, less, at udot and lambda, of M udot - f - J^T lambda (nu,), then of
@@ -32,6 +32,13 @@ typedef struct lamc_pullbacks {
   /* Of the guards; behind q and u comes the derivative by t. NULL: there are none */
   void (*guards)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                  const lamc_real *weights, lamc_real *derivatives);
+  /* Of periods of the clocks, then of samples. NULL: there are none */
+  void (*samples)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                  const lamc_real *weights, lamc_real *derivatives);
+  /* Of restitutions of the guards, and of derivatives of their rates by u (guards, nu); then stand 1, z (nu,), x (nu,),
+   * mu (m,) and eta (m,), of -z M x + mu J z + eta J x. As of guards. NULL: there are no impacts */
+  void (*impacts)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                  const lamc_real *weights, lamc_real *derivatives);
   /* Of poses (12 body_count,), and of energies */
   void (*poses)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                 const lamc_real *weights, lamc_real *derivatives);
@@ -81,7 +88,7 @@ typedef enum lamc_no_gradient {
   LAMC_GRADIENT_GRAZING = 2,  /* a guard was touched, and not passed */
   LAMC_GRADIENT_SINGULAR = 3, /* loops lost equations at a singular position */
   LAMC_GRADIENT_NOT_FINITE = 4,
-  LAMC_GRADIENT_IMPACT = 5 /* there was an impact, or a sample of a clock */
+  LAMC_GRADIENT_IMPACT = 5 /* an impact drove a second one */
 } lamc_no_gradient;
 
 /* On the way back along a tape. Fields are for reading; lamc_adjoint_start sets them all. */

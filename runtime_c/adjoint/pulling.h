@@ -33,12 +33,13 @@ static inline long long lamc_scratch_of(const lamc_model *model, const lamc_pull
                                         lamc_real *scratch) {
   const long long nq = model->coordinate_count, nu = model->rate_count, m = model->closure_count, n = nq + nu;
   long long weights = lamc_most(nq + nu + m, 2 * m);
-  weights = lamc_most(weights, model->guard_count);
+  weights = lamc_most(weights, (long long)model->guard_count * (1 + nu) + 1 + 2 * nu + 2 * m);
+  weights = lamc_most(weights, (long long)model->clock_count + model->held_count);
   const long long sizes[] = {nu,
                              m,
                              m,
                              weights,
-                             n + 1 + pullbacks->source_count,
+                             n + 1 + pullbacks->source_count + model->held_count,
                              STAGES * n,
                              STAGES * n,
                              STAGES * n,
@@ -71,7 +72,7 @@ static inline long long lamc_scratch_of(const lamc_model *model, const lamc_pull
   r->nu = (int)nu;
   r->m = (int)m;
   r->n = (int)n;
-  r->k = pullbacks->source_count;
+  r->k = pullbacks->source_count + model->held_count;
   return at;
 }
 

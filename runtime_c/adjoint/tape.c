@@ -18,6 +18,13 @@ int lamc_tape_margin(void) {
   return TAPE_MARGIN;
 }
 
+/* Modes of the guards as they are */
+static void put_modes(const lamc_taped *s, lamc_real *modes) {
+  const lamc_model *model = s->motion.model;
+  for (int g = 0; g < model->guard_count; g++)
+    modes[g] = model->guard_modes[g] >= 0 ? s->motion.constants[model->guard_modes[g]] : 0;
+}
+
 /* The next entry, with what all have */
 static entry next_entry(lamc_taped *s, int kind) {
   const lamc_model *model = s->motion.model;
@@ -33,10 +40,9 @@ static entry next_entry(lamc_taped *s, int kind) {
   *e.method = s->run.method;
   *e.next = (lamc_real)s->next;
   *e.singular = *e.is_break = 0;
-  for (int g = 0; g < model->guard_count; g++) {
-    e.struck[g] = 0;
-    e.modes[g] = model->guard_modes[g] >= 0 ? s->motion.constants[model->guard_modes[g]] : 0;
-  }
+  for (int g = 0; g < model->guard_count; g++) e.struck[g] = e.later[g] = 0;
+  put_modes(s, e.modes);
+  for (int k = 0; k < model->held_count; k++) e.held[k] = s->motion.constants[model->held[k]];
   return e;
 }
 
@@ -68,6 +74,7 @@ static lamc_status meet(const void *context, lamc_real t, lamc_real *y, const la
   memcpy(e.before, y, bytes);
   const lamc_status status = lamc_guards_event(context, t, y, struck);
   memcpy(e.after, y, bytes);
+  put_modes(s, e.later);
   return status;
 }
 

@@ -16,6 +16,7 @@ import numpy.typing as npt
 from lamc.basics.errors import RequestError, SimulationError
 from lamc.mechanics.tangents import parameter_key
 from lamc.run.derivatives import ANGLES, RATES
+from lamc.run.following import Recorded
 from lamc.run.request import Array
 from lamc.run.sensitivities import WHY, checked_names, pace_of
 from lamc.run.start_slopes import slope_of_start
@@ -70,12 +71,14 @@ def pulled_back(result: "Result", weights: Weights) -> Pulled:
     at = ffi.from_buffer("long long[]", tape.at)
     kept = [None if each is None else np.ascontiguousarray(each) for each in (weights.poses, weights.energies)]
     outputs = [ffi.NULL if each is None else model.read(each) for each in kept]
+    recorded = _recorded(tape)
     with motion.opened() as handle:
+        if recorded is not None:
+            handle.recording = recorded.handle
         rows = (model.read(t), model.read(y), at, model.read(seeds), len(t))
         lib.lamc_adjoint_start(adjoint, handle, pullbacks, *rows, result.stats.rtol, model.write(work))
         if any(each is not None for each in kept):
             lib.lamc_adjoint_outputs(adjoint, len(t), model.read(t), model.read(y), *outputs, model.write(seeds))
-        # Guards of rows outside a run are sensed anew: the run goes by its own again.
         _back(tape, adjoint, result)
     state = np.array([adjoint.state[i] for i in range(model.state_size)])
     inputs = np.zeros(max(len(motion.parameters), 1))
@@ -84,6 +87,15 @@ def pulled_back(result: "Result", weights: Weights) -> Pulled:
     if not (np.isfinite(inputs).all() and np.isfinite(state).all()):
         raise SimulationError("there is no gradient: derivatives grow beyond all numbers")
     return found
+
+
+def _recorded(tape: Tape) -> Recorded | None:
+    """What inputs follow, with the breaks at which steps ended."""
+    following, request = tape.motion.following, tape.request
+    if not following.series or request is None:
+        return None
+    breaks = following.breaks(request.rtol, request.t_start, request.t_end)
+    return Recorded(tape.motion.model.ffi, following, breaks)
 
 
 def _back(tape: Tape, adjoint: Any, result: "Result") -> None:

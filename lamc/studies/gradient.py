@@ -76,6 +76,8 @@ def gradient(
 
 
 def _checked(measure: object, simulator: "Simulator") -> Measure:
+    if callable(measure):
+        measure = Measure.of_function(measure)
     made = measure if isinstance(measure, Measure) else Measure.parse(measure, outputs_of(simulator))  # type: ignore[arg-type]
     if made.function is not None:
         raise RequestError(

@@ -99,8 +99,8 @@ def sources_of(
     pullbacks: bool = False,
     precision: str = "double",
 ) -> "tuple[Program, SourceTree]":
-    """lower and emit. energy_balance: with the power of every effect; columns: with derivatives by these; pullbacks: with
-    those of weighted sums; precision: "double" or "float"."""
+    """lower and emit. energy_balance: with the power of every effect; columns: with derivatives by these; pullbacks:
+    with those of weighted sums; precision: "double" or "float"."""
     from lamc.codegen.emit import emit
     from lamc.mechanics.lower import lower
 

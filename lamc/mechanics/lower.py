@@ -43,8 +43,8 @@ def lower(
     pullbacks: bool = False,
 ) -> Program:
     """The program of `equations`; with the power of every effect where the `energy_balance` is to be kept, with
-    derivatives by `columns`, where there are any, and with those of weighted sums. Raises RequestError where these would
-    be too long."""
+    derivatives by `columns`, where there are any, and with those of weighted sums. Raises RequestError where these
+    would be too long."""
     equations = equations.forked()
     store = equations.store
     motion = motion_jobs(equations)

@@ -1,9 +1,10 @@
 """Derivatives of weighted sums of what the equations give, for gradients of runs whatever the number of parameters.
 
-Goes in: Equations. Comes out: jobs of a program, each of which takes weights and gives the derivatives of the weighted sum
-by q, u and the sources: all values that depend on parameters only and that the functions read. What parameters make of the
-sources is a job of its own, once for a run. With loops, and where the runtime solves M u̇ = f, it is the residuals
-r = M u̇ - f - Jᵀλ and c = J u̇ + γ that are weighed, as in `tangents`; an acceleration that is written down is weighed itself.
+Goes in: Equations. Comes out: jobs of a program, each of which takes weights and gives the derivatives of the
+weighted sum by q, u and the sources: all values that depend on parameters only and that the functions read. What
+parameters make of the sources is a job of its own, once for a run. With loops, and where the runtime solves M u̇ = f,
+it is the residuals r = M u̇ - f - Jᵀλ and c = J u̇ + γ that are weighed, as in `tangents`; an acceleration that is
+written down is weighed itself.
 """
 
 from collections.abc import Sequence
@@ -183,8 +184,8 @@ def _events(equations: Equations) -> list[tuple[tuple[str, str, tuple[Space, ...
 
 
 def _balance_of_impact(equations: Equations, first: int) -> Scalar:
-    """What a change of M and J makes of an impact's balance: less z M x, and mu J z + eta J x, whose factors stand behind the
-    first weights and one that is one."""
+    """What a change of M and J makes of an impact's balance: less z M x, and mu J z + eta J x, whose factors stand
+    behind the first weights and one that is one."""
     store, n = equations.store, len(equations.rates)
     count = 0 if equations.closure is None else len(equations.closure.jacobian)
     weights = _weights(equations, first + 1 + 2 * n + 2 * count)[first + 1 :]

@@ -1,8 +1,8 @@
 """The gradient of a number that a run gives, by as many parameters as there are: a discrete adjoint.
 
 In: a taped result, and what the number weighs each row with: derivatives by its state, by poses and by energies. Out:
-derivatives by parameters, dimensions of the design, angles and rates of the start. The way back along the tape costs some
-evaluations for each stage of the run, however many names there are; each name costs a product, a dimension what
+derivatives by parameters, dimensions of the design, angles and rates of the start. The way back along the tape costs
+some evaluations for each stage of the run, however many names there are; each name costs a product, a dimension what
 `sensitivities` takes for it. Never: integrates anew; leaves a derivative out in silence.
 """
 
@@ -14,7 +14,6 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics.errors import RequestError, SimulationError
-from lamc.mechanics.tangents import parameter_key
 from lamc.run.derivatives import ANGLES, RATES
 from lamc.run.following import Recorded
 from lamc.run.request import Array
@@ -69,7 +68,9 @@ def pulled_back(result: "Result", weights: Weights) -> Pulled:
     work = np.zeros(max(int(lib.lamc_adjoint_work_size(model.handle, pullbacks)), 1))
     adjoint: Any = ffi.new("lamc_adjoint *")
     at = ffi.from_buffer("long long[]", tape.at)
-    kept = [None if each is None else np.ascontiguousarray(each) for each in (weights.poses, weights.energies)]
+    kept = [
+        None if each is None else np.ascontiguousarray(each) for each in (weights.poses, weights.energies)
+    ]
     outputs = [ffi.NULL if each is None else model.read(each) for each in kept]
     recorded = _recorded(tape)
     with motion.opened() as handle:
@@ -78,7 +79,9 @@ def pulled_back(result: "Result", weights: Weights) -> Pulled:
         rows = (model.read(t), model.read(y), at, model.read(seeds), len(t))
         lib.lamc_adjoint_start(adjoint, handle, pullbacks, *rows, result.stats.rtol, model.write(work))
         if any(each is not None for each in kept):
-            lib.lamc_adjoint_outputs(adjoint, len(t), model.read(t), model.read(y), *outputs, model.write(seeds))
+            lib.lamc_adjoint_outputs(
+                adjoint, len(t), model.read(t), model.read(y), *outputs, model.write(seeds)
+            )
         _back(tape, adjoint, result)
     state = np.array([adjoint.state[i] for i in range(model.state_size)])
     inputs = np.zeros(max(len(motion.parameters), 1))
@@ -145,8 +148,8 @@ def checked_tape(result: "Result") -> Tape:
 
 
 def by_names(result: "Result", names: Sequence[str] | None, pulled: Pulled) -> dict[str, float]:
-    """Derivatives by names, SI; None: by all parameters of the model but times at which servos sample. Of dimensions without what they do to outputs beside
-    the motion (`moved_beside`)."""
+    """Derivatives by names, SI; None: by all parameters of the model but times at which servos sample. Of dimensions
+    without what they do to outputs beside the motion (`moved_beside`)."""
     tape = checked_tape(result)
     simulator, model = tape.simulator, tape.motion.model
     ticking = _ticking(tape, result)

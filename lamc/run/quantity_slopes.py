@@ -1,8 +1,8 @@
 """Derivatives of a number of a run by the quantities of its rows, as derivatives by states, poses and energies.
 
-In: a result, and derivatives by quantities (m,), by name. Out: `Weights`; and what a dimension does to positions beside the
-motion: places of points and of bodies that stand still follow from the drawing. Raises RequestError for quantities that have
-no gradient. Never: evaluates a pose.
+In: a result, and derivatives by quantities (m,), by name. Out: `Weights`; and what a dimension does to positions
+beside the motion: places of points and of bodies that stand still follow from the drawing. Raises RequestError for
+quantities that have no gradient. Never: evaluates a pose.
 """
 
 from collections.abc import Mapping
@@ -57,7 +57,9 @@ class _Weighing:
         elif (effect := name.removeprefix("energy.")) in self.model.energies:
             self.energies[:, self.model.energies.index(effect)] += weight
         elif name != "t":
-            raise RequestError(f"there is no gradient of {name!r}; take sensitivities, or differences of runs")
+            raise RequestError(
+                f"there is no gradient of {name!r}; take sensitivities, or differences of runs"
+            )
 
     def _point(self, name: str, axis: int, weight: Array) -> None:
         (point,) = (each for each in self.result.points if each.name == name)

@@ -108,8 +108,8 @@ class Result(GivenOut, Viewable, Unchanging):
         found = self.sensitivities
         if found is not None:
             found = replace(found, values=found.values[keep])
-        rows = {"t": self.t[keep], "q": self.q[keep], "u": self.u[keep]}
-        return replace(self, **rows, kept=kept, sensitivities=found, tape=None)
+        t, q, u = self.t[keep], self.q[keep], self.u[keep]
+        return replace(self, t=t, q=q, u=u, kept=kept, sensitivities=found, tape=None)
 
     @property
     def nfev(self) -> int:

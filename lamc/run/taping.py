@@ -1,7 +1,7 @@
 """Tapes of runs: every accepted step and every event, from which gradients are taken on the way back.
 
-In: a model with pullbacks, and the rows that a run writes. Out: entries as C wrote them, and for each row how many there were
-before it. Never: changes a step; interprets an entry.
+In: a model with pullbacks, and the rows that a run writes. Out: entries as C wrote them, and for each row how many
+there were before it. Never: changes a step; interprets an entry.
 """
 
 from collections.abc import Mapping
@@ -43,7 +43,7 @@ class Tape:
     at: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
-def check_taped(integrator: str, is_more: bool, baumgarte: float) -> None:  # noqa: FBT001
+def check_taped(integrator: str, is_more: bool, baumgarte: float) -> None:
     """Raises RequestError for runs that leave no tape."""
     if integrator.startswith("scipy:"):
         raise RequestError(f"integrator {integrator!r} leaves no tape; use one of lamc's own, such as 'auto'")
@@ -94,7 +94,9 @@ class TapedRun:
             self._lib.lamc_taped_advance(self._handle, record, handle, at, budget, self._model.ffi.NULL)
         )
         if self._handle.overflow:
-            raise SimulationError("a step left more events than a tape has room for; please report this as a bug")
+            raise SimulationError(
+                "a step left more events than a tape has room for; please report this as a bug"
+            )
         return status
 
     def _grow(self) -> None:
@@ -102,8 +104,8 @@ class TapedRun:
             self._counts.append(int(self._record.count))
         if sum(array.size for array in self._arrays) > MOST:
             raise SimulationError(
-                f"the tape of this run, at t = {float(self.run.t):.6g} s, takes more than {MOST * 8 / 2**30:.0f} GiB; run "
-                "shorter, or with a larger rtol, or take sensitivities, which keep nothing"
+                f"the tape of this run, at t = {float(self.run.t):.6g} s, takes more than "
+                f"{MOST * 8 / 2**30:.0f} GiB; run shorter, or with a larger rtol, or take sensitivities"
             )
         capacity = max(CHUNK // self._size, 4 * self._margin)
         self._arrays.append(np.empty((capacity, self._size)))

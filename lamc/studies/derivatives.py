@@ -43,8 +43,9 @@ class Slopes:
 
 
 def gradients(problem: Problem, places: Array, edges: Edges) -> tuple[Array, Array]:
-    """Gradient (n,) of the cost and Jacobian (c, n) of the constraints along `edges`, by two points each; of many edges by
-    the run's own steps backwards, where it has a gradient. Entries that no points that make a run are there for are zero."""
+    """Gradient (n,) of the cost and Jacobian (c, n) of the constraints along `edges`, by two points each; of many
+    edges by the run's own steps backwards, where it has a gradient. Entries that no points that make a run are there
+    for are zero."""
     exact = _backwards(problem, places, edges) if len(edges) > MANY else None
     if exact is not None:
         return exact

@@ -1,7 +1,8 @@
 """`lamc.gradient`: derivatives of a measure of a run by any number of parameters, by the run's own steps backwards.
 
-In: a taped result, a measure, names. Out: a `Gradient`. The cost is that of some evaluations for each stage of the run,
-whatever the number of names; sensitivities, which give derivatives of all outputs, cost more with each. Never: runs anything.
+In: a taped result, a measure, names. Out: a `Gradient`. The cost is that of some evaluations for each stage of the
+run, whatever the number of names; sensitivities, which give derivatives of all outputs, cost more with each. Never:
+runs anything.
 """
 
 import math
@@ -57,9 +58,10 @@ def gradient(
              parameters of the model. A dimension takes some milliseconds besides, as its drawing is split anew
     given    what was varied, SI, by name, where the measure names it
 
-    The derivatives are those of what the run computes at the steps that it takes, as `Simulator.run(sensitivities=…)` has
-    them, and extremes, averages and crossings are followed as the measure reads them off the rows. Raises RequestError for
-    measures and names without a gradient, SimulationError where the run has none, with the instant and the reason."""
+    The derivatives are those of what the run computes at the steps that it takes, as `Simulator.run(sensitivities=…)`
+    has them, and extremes, averages and crossings are followed as the measure reads them off the rows. Raises
+    RequestError for measures and names without a gradient, SimulationError where the run has none, with the instant
+    and the reason."""
     simulator = checked_tape(result).simulator
     measure = _checked(measure, simulator)
     value = measure.value(result, given)

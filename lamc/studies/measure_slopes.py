@@ -1,7 +1,7 @@
 """Derivatives of measures by what they are made of, from the result back to the quantities: reverse accumulation.
 
-In: operations on terms, and what the measure weighs each with. Out: what it weighs the terms' values with; at the leaves,
-`Gathered`: derivatives by quantities at the rows, and by what was varied. Never: evaluates a run.
+In: operations on terms, and what the measure weighs each with. Out: what it weighs the terms' values with; at the
+leaves, `Gathered`: derivatives by quantities at the rows, and by what was varied. Never: evaluates a run.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -11,10 +11,12 @@ from typing import Any
 import numpy as np
 
 from lamc.run.request import Array
-from lamc.studies.samples import Samples
 from lamc.studies.sample_slopes import NoSlopeError
+from lamc.studies.samples import Samples
 
-Slope = Callable[[Any, Any, "Gathered"], None]  # of a term: rows, its weight (a float, or (m,)), where it goes
+Slope = Callable[
+    [Any, Any, "Gathered"], None
+]  # of a term: rows, its weight (a float, or (m,)), where it goes
 
 
 @dataclass

@@ -62,8 +62,8 @@ Value = Callable[[Rows], Any]  # floats, or arrays (m,) of terms over time
 @dataclass(frozen=True, eq=False)
 class Term:
     """value: in SI `unit`. is_bare: a number that was written without a unit, and takes that of what it is added to.
-    number: its value where no run is needed for it. times: at which values are asked for, s. slope: hands what the term is
-    weighed with on to what it is made of."""
+    number: its value where no run is needed for it. times: at which values are asked for, s. slope: hands what the
+    term is weighed with on to what it is made of."""
 
     unit: Unit
     value: Value
@@ -245,7 +245,13 @@ def event_time(name: str | None, which: int) -> Term:
         times = [each.t for each in rows.result.events if each.name == name]
         return times[which] if -len(times) <= which < len(times) else math.nan
 
-    return Term(SECOND, value, slope=without("there is no gradient of the time of an event; take that of a crossing, time_of(x > …)"))
+    return Term(
+        SECOND,
+        value,
+        slope=without(
+            "there is no gradient of the time of an event; take that of a crossing, time_of(x > …)"
+        ),
+    )
 
 
 def _needs_time(what: str, term: Term) -> None:

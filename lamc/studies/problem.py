@@ -64,13 +64,13 @@ class Problem:
     constraints: tuple[Constraint, ...]
     work: Callable[[int, tuple[float, ...]], Row]  # a row of a number, of a point; as of `Trier.row`
     most: int  # runs
-    slopes_at: Callable[[tuple[float, ...]], Array | None] = lambda _: None  # as of `Trier.slopes`
     crew: Callable[[], Crew | None] = lambda: None  # who else answers for points, once there is somebody
     found: dict[tuple[float, ...], Row] = field(default_factory=dict)  # what the crew has answered
     told: Callable[["Problem"], None] = lambda _: None
     keep: Callable[[Row], None] = lambda _: None
     known: dict[int, Row] = field(default_factory=dict)  # rows of a folder, by number
     trials: list[Trial] = field(default_factory=list)
+    slopes_at: Callable[[tuple[float, ...]], Array | None] = lambda _: None  # as of `Trier.slopes`
     stage: str = ""
     size: float = 1.0  # of costs
     sizes: Array = field(init=False)  # of constraints

@@ -1,7 +1,7 @@
 """How what is read off samples follows from each of them: derivatives of `samples`, by the values at the rows.
 
-In: samples. Out: derivatives (m,) of one number by the values at the rows. Raises NoSlopeError where there is none: of a time that
-stays at its row, of what is no number.
+In: samples. Out: derivatives (m,) of one number by the values at the rows. Raises NoSlopeError where there is none:
+of a time that stays at its row, of what is no number.
 """
 
 import math
@@ -106,8 +106,8 @@ def _is_row(samples: Samples, moment: float) -> bool:
 
 
 def _weights(samples: Samples, moment: float, order: int, *, before: bool = False) -> Array:
-    """Weights (m,) of the derivative of that order, at a time, of the polynomial between the rows about it. before: at a row,
-    of the polynomial that ends there."""
+    """Weights (m,) of the derivative of that order, at a time, of the polynomial between the rows about it. before:
+    at a row, of the polynomial that ends there."""
     t = samples.t
     found = np.zeros(len(t))
     after = int(np.searchsorted(t, moment))

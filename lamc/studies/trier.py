@@ -14,8 +14,8 @@ from lamc.basics.errors import BuildError, LamcError
 from lamc.run.request import Array, Status
 from lamc.run.result import Result
 from lamc.studies.bench import ERROR, FAILED, OK, REFUSED, UNDEFINED, Bench, Row, Subject, without_values
-from lamc.studies.gradient import gradient
 from lamc.studies.goals import Constraint, Goal
+from lamc.studies.gradient import gradient
 from lamc.studies.space import Space
 from lamc.studies.targets import Made, made
 
@@ -66,8 +66,9 @@ class Trier:
         return bench.result(numbers)
 
     def slopes(self, point: tuple[float, ...]) -> Array | None:
-        """Derivatives (goals and constraints, variables) of the values of a point, by the numbers that are varied, SI, from
-        its run backwards; None where there are none, as of functions of yours, and of what is no number of the model."""
+        """Derivatives (goals and constraints, variables) of the values of a point, by the numbers that are varied,
+        SI, from its run backwards; None where there are none, as of functions of yours, and of what is no number of
+        the model."""
         words, numbers = self.parted(point)
         bench = self._benches.setdefault(words, Bench(self.subjects[words]))
         targets = self.subjects[words].targets

@@ -1,9 +1,8 @@
 """Cotangents of staged values: derivatives of one weighted sum by everything that it depends on, staged in turn.
 
-One pass over the nodes, from the last to the first, whatever their number of inputs: each node hands what it was weighed
-with to its arguments, times its derivative by them. The rules are those of `derivative`, asked for one argument at a time.
-(A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed. (2008), section 3.2.)
-"""
+One pass over the nodes, from the last to the first, whatever their number of inputs: each node hands what it was
+weighed with to its arguments, times its derivative by them. The rules are those of `derivative`, asked for one
+argument at a time. (A. Griewank, A. Walther, Evaluating Derivatives, 2nd ed. (2008), section 3.2.)"""
 
 from collections.abc import Sequence
 

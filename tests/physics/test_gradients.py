@@ -42,8 +42,8 @@ def check(
     close: float = ROUND_OFF,
     rtol: float = 1e-9,
 ) -> lamc.Result:
-    """Against sensitivities of the same run, with weights of all rows at random: of rows within steps, and of those at the
-    ends of steps, an early one and the last. close: of the sum of the sizes of what is added up."""
+    """Against sensitivities of the same run, with weights of all rows at random: of rows within steps, and of those
+    at the ends of steps, an early one and the last. close: of the sum of the sizes of what is added up."""
     rng = np.random.default_rng(7)
     for times in (np.linspace(0.0, t_end, 23), None):
         asked = {"t_end": t_end, "t_eval": times, "integrator": integrator, "rtol": rtol, "atol": 1e-2 * rtol}
@@ -115,7 +115,12 @@ def test_impacts(name: str) -> None:
     design = example(name)
     limits = lamc.JointLimits(restitution=0.6)
     if name == "limit_stop":
-        sim, t_end = lamc.compile(design, replace(design.scene, effects=(lamc.Gravity(), lamc.HingeStiffness(), limits))), 0.15
+        sim, t_end = (
+            lamc.compile(
+                design, replace(design.scene, effects=(lamc.Gravity(), lamc.HingeStiffness(), limits))
+            ),
+            0.15,
+        )
     else:
         mechanism = lamc.split(design)
         arm = lamc.compile(design).joints[0]
@@ -131,8 +136,8 @@ def test_impacts(name: str) -> None:
 
 
 def test_touch_downs_on_a_floating_base() -> None:
-    """A contact's force begins with the power 1.5 of depth: derivatives are known to some 1000 times the tolerance there,
-    which eight of them make larger."""
+    """A contact's force begins with the power 1.5 of depth: derivatives are known to some 1000 times the tolerance
+    there, which eight of them make larger."""
     sim = lamc.compile(example("crawler"))
     found = check(sim, ["body.mass", "gravity.z"], 0.03, "dop853", close=1e-5, rtol=1e-11)
     assert len(found.events) >= 8
@@ -180,7 +185,7 @@ def test_every_effect(name: str) -> None:
     check(sim, ["b.mass", *own, f"angles.{sim.joints[0]}"], 0.2, "radau5", close=1e-8)
 
 
-# ---- Measures ----------------------------------------------------------------------------------------------------------
+# ---- Measures ------------------------------------------------------------------------------------------------------
 
 MEASURES = (
     "max(h1)",
@@ -244,7 +249,7 @@ def test_more_parameters_cost_no_more_steps_backwards() -> None:
         assert name in every
 
 
-# ---- What there is none of ----------------------------------------------------------------------------------------------
+# ---- What there is none of -----------------------------------------------------------------------------------------
 
 
 def test_a_run_without_a_tape_has_none() -> None:
@@ -310,7 +315,7 @@ def test_two_impacts_at_one_instant_have_no_gradient() -> None:
     scene = lamc.Scene(effects=(lamc.Gravity(), lamc.JointLimits(restitution=0.5)))
     result = lamc.compile(device, scene).run(t_end=0.2, taped=True)
     first = result.events[0].t
-    with pytest.raises(lamc.SimulationError, match=f"at t = {first:.5f}.*several events fall on one instant"):
+    with pytest.raises(lamc.SimulationError, match=f"at t = {first:.9g}.*several events fall on one instant"):
         lamc.gradient(result, "last(h_a)")
     before = int(np.flatnonzero(result.t < first)[-1])
     assert np.isfinite(lamc.gradient(result, f"h_a[{before}]")["a.mass"])

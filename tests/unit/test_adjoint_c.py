@@ -1,4 +1,5 @@
-"""The C of gradients: no warning, no undefined behaviour, the rows of a run by itself, whatever the slices and tapes."""
+"""The C of gradients: no warning, no undefined behaviour, the rows of a run by itself, whatever the slices and
+tapes."""
 
 from pathlib import Path
 

@@ -111,7 +111,7 @@ def of_many(repeats: int, counts: Sequence[int] = MANY) -> None:
         names = known[:count]
 
         def backwards(names: list[str] = names) -> object:
-            return lamc.gradient(sim.run(**asked, taped=True), f"last(h{LINKS - 1})", names)
+            return sim.run(**asked, taped=True).gradient(f"last(h{LINKS - 1})", names)
 
         backward = fastest(backwards, repeats)
 

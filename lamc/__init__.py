@@ -74,11 +74,11 @@ from lamc.records.scene import OutputPoint, Scene
 from lamc.records.series import Series
 from lamc.run.ensemble import Ensemble
 from lamc.run.equilibrium import Equilibrium
+from lamc.run.gradients import Gradient
 from lamc.run.linear_model import LinearModel
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 from lamc.run.vibration import Modes
-from lamc.studies.gradient import Gradient, gradient
 from lamc.studies.optimise import optimise
 from lamc.studies.sweep import sweep
 
@@ -149,7 +149,6 @@ __all__ = [
     "convert",
     "export",
     "fit",
-    "gradient",
     "load",
     "load_scene",
     "optimise",
@@ -168,6 +167,7 @@ drawing.tell(  # (kind of record, verb) → "module:function", imported when the
         ("Mechanism", "draw"): "lamc.report.drawn:draw_mechanism",
         ("Simulator", "remake"): "lamc.pipeline:compile",
         ("Solution", "plot"): "lamc.report.plate_plot:plot",
+        ("Result", "gradient"): "lamc.studies.gradient:gradient",
         ("Result", "plot"): "lamc.report.plots:plot",
         ("Result", "animate"): "lamc.report.animation:animate",
     }

@@ -6,7 +6,7 @@ some evaluations for each stage of the run, however many names there are; each n
 `sensitivities` takes for it. Never: integrates anew; leaves a derivative out in silence.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics.errors import RequestError, SimulationError
+from lamc.basics.readonly import ReadOnlyDict
 from lamc.run.derivatives import ANGLES, RATES
 from lamc.run.following import Recorded
 from lamc.run.request import Array
@@ -27,6 +28,27 @@ if TYPE_CHECKING:
 IMPACT = 5
 _TICKS = "there is no derivative by {!r}: it moves the times at which a servo samples"
 REASONS = {**WHY, IMPACT: "an impact drives others within the instant"}
+
+
+@dataclass(frozen=True)
+class Gradient(Mapping[str, float]):
+    """Derivatives of a measure by names, in its unit over the SI unit of each.
+
+    value    of the measure, in `unit`
+    """
+
+    value: float
+    unit: str
+    derivatives: Mapping[str, float] = field(default_factory=lambda: ReadOnlyDict({}))
+
+    def __getitem__(self, name: str) -> float:
+        return self.derivatives[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.derivatives)
+
+    def __len__(self) -> int:
+        return len(self.derivatives)
 
 
 @dataclass(frozen=True, eq=False)

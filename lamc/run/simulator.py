@@ -225,7 +225,7 @@ class Simulator(Running, OperatingPoints, Viewable):
                     run computes, at the steps that it takes, which are the same to the last bit with and without. The
                     first time a list takes a compile of its own
         series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
-        taped       whether the steps are kept, for `lamc.gradient`, derivatives of a measure by any number of
+        taped       whether the steps are kept, for `Result.gradient`, derivatives of a measure by any number of
                     parameters. The first time that takes a compile of its own; the motion is the same to the last bit
         books       the old name of energy_balance
 

@@ -1,4 +1,4 @@
-"""`lamc.gradient`: derivatives of a measure of a run by any number of parameters, by the run's own steps backwards.
+"""`Result.gradient`: derivatives of a measure of a run by any number of parameters, by the run's own steps backwards.
 
 In: a taped result, a measure, names. Out: a `Gradient`. The cost is that of some evaluations for each stage of the
 run, whatever the number of names; sensitivities, which give derivatives of all outputs, cost more with each. Never:
@@ -6,14 +6,13 @@ runs anything.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from lamc.basics.errors import RequestError, SimulationError
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.run.derivatives import ANGLES, RATES
-from lamc.run.gradients import by_names, checked_tape, pulled_back
+from lamc.run.gradients import Gradient, by_names, checked_tape, pulled_back
 from lamc.run.quantity_slopes import moved_beside, weights_of
 from lamc.run.result import Result
 from lamc.studies.measure_names import NOTHING_GIVEN
@@ -23,45 +22,13 @@ if TYPE_CHECKING:
     from lamc.run.simulator import Simulator
 
 
-@dataclass(frozen=True)
-class Gradient(Mapping[str, float]):
-    """Derivatives of a measure by names, in its unit over the SI unit of each.
-
-    value    of the measure, in `unit`
-    """
-
-    value: float
-    unit: str
-    derivatives: Mapping[str, float] = field(default_factory=lambda: ReadOnlyDict({}))
-
-    def __getitem__(self, name: str) -> float:
-        return self.derivatives[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.derivatives)
-
-    def __len__(self) -> int:
-        return len(self.derivatives)
-
-
 def gradient(
     result: Result,
     measure: str | Measure,
     names: Sequence[str] | None = None,
     given: Mapping[str, float] = NOTHING_GIVEN,
 ) -> Gradient:
-    """Derivatives of a measure of a run by parameters: by all of them at the cost of a few runs.
-
-    result   of `Simulator.run(…, taped=True)`
-    measure  text, such as "max(tip.z)" or "rms(h2 - 10 deg)" (`lamc.studies.measures`)
-    names    parameters of the model, dimensions of the design, "angles.JOINT" and "rates.JOINT" of the start; None: all
-             parameters of the model. A dimension takes some milliseconds besides, as its drawing is split anew
-    given    what was varied, SI, by name, where the measure names it
-
-    The derivatives are those of what the run computes at the steps that it takes, as `Simulator.run(sensitivities=…)`
-    has them, and extremes, averages and crossings are followed as the measure reads them off the rows. Raises
-    RequestError for measures and names without a gradient, SimulationError where the run has none, with the instant
-    and the reason."""
+    """As of `Result.gradient`; given: what was varied, SI, by name, where the measure names it."""
     simulator = checked_tape(result).simulator
     measure = _checked(measure, simulator)
     value = measure.value(result, given)

@@ -70,7 +70,7 @@ def test_an_oscillator_follows_the_closed_form(integrator: str) -> None:
     """θ = θ0 cos ωt with ω² = k / I: dθ/dk = -θ0 t sin(ωt) / (2 ω I), dθ/dθ0 = cos ωt."""
     sim = lamc.compile(oscillator(), lamc.Scene(effects=(lamc.HingeStiffness(),), angles={"h": 0.3}))
     result = sim.run(t_end=1.0, integrator=integrator, rtol=1e-11, atol=1e-13, taped=True)
-    found = lamc.gradient(result, "last(h)", ["h.stiffness", "angles.h", "rates.h"])
+    found = result.gradient("last(h)", ["h.stiffness", "angles.h", "rates.h"])
     inertia = 1e-3 + 0.1 * 0.1**2
     omega = np.sqrt(0.5 / inertia)
     wanted = {
@@ -171,9 +171,9 @@ def test_a_servo_that_samples(integrator: str) -> None:
     names = [name for name in sim.parameters if name != period]
     result = check(sim, [*names, "angles.h"], 0.2, integrator)
     assert len(result.events) >= 15
-    assert set(lamc.gradient(result, "last(h)")) == set(names)
+    assert set(result.gradient("last(h)")) == set(names)
     with pytest.raises(lamc.RequestError, match="the times at which a servo samples"):
-        lamc.gradient(result, "last(h)", [period])
+        result.gradient("last(h)", [period])
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
@@ -218,7 +218,7 @@ def test_measures_against_differences() -> None:
     from lamc.studies.measures import Measure
 
     for text in MEASURES:
-        measure, found = Measure.parse(text, sim), lamc.gradient(result, text, names)
+        measure, found = Measure.parse(text, sim), result.gradient(text, names)
         assert found.value == measure.value(result)
         for name in names:
             shares = zip((-2, -1, 1, 2), (1 / 12, -2 / 3, 2 / 3, -1 / 12), strict=True)
@@ -231,7 +231,7 @@ def test_points_follow_from_lengths() -> None:
     sim, times = lamc.compile(example("four_bar")), np.linspace(0.0, 0.3, 7)
     asked = {"t_end": 0.3, "t_eval": times, "rtol": 1e-11, "atol": 1e-13}
     names = ["arm_length", "link.stiffness", "angles.arm"]
-    found = lamc.gradient(sim.run(**asked, taped=True), "last(shelf.x)", names)
+    found = sim.run(**asked, taped=True).gradient("last(shelf.x)", names)
     along = sim.run(**asked, sensitivities=names)
     for name in names:  # positions follow from states by differences there, to 1e-10 of their size
         assert found[name] == pytest.approx(along.sensitivity("shelf.x", name)[-1], rel=1e-7)
@@ -241,9 +241,9 @@ def test_more_parameters_cost_no_more_steps_backwards() -> None:
     """The way back is one for all names: what it evaluates does not depend on them."""
     sim = lamc.compile(chain(3))
     result = sim.run(t_end=0.2, taped=True)
-    every = lamc.gradient(result, "last(h1)" if "h1" in sim.joints else f"last({sim.joints[0]})")
+    every = result.gradient("last(h1)" if "h1" in sim.joints else f"last({sim.joints[0]})")
     assert list(every) == list(sim.parameters)
-    some = lamc.gradient(result, f"last({sim.joints[0]})", list(sim.parameters)[:2])
+    some = result.gradient(f"last({sim.joints[0]})", list(sim.parameters)[:2])
     for name, value in some.items():
         assert isinstance(value, float)
         assert name in every
@@ -257,10 +257,10 @@ def test_a_run_without_a_tape_has_none() -> None:
     plain, taped = sim.run(t_end=0.1), sim.run(t_end=0.1, taped=True)
     for result in (plain, pickle.loads(pickle.dumps(taped)), taped.at_rows(taped.t > 0.05)):
         with pytest.raises(lamc.RequestError, match="was not taped"):
-            lamc.gradient(result, "last(h)")
+            result.gradient("last(h)")
     short = sim.run(t_end=10.0, max_steps=5, taped=True)
     with pytest.raises(lamc.SimulationError, match="did not reach its end"):
-        lamc.gradient(short, "last(h)")
+        short.gradient("last(h)")
 
 
 def test_runs_that_leave_no_tape_are_refused() -> None:
@@ -290,9 +290,9 @@ def test_measures_and_names_without_a_gradient_are_refused() -> None:
         (3, "it must be text"),
     ):
         with pytest.raises(lamc.LamcError, match=words):
-            lamc.gradient(result, measure)
+            result.gradient(measure)
     with pytest.raises(lamc.RequestError, match=r"did you mean 'link\.stiffness'"):
-        lamc.gradient(result, "last(arm)", ["link.stifness"])
+        result.gradient("last(arm)", ["link.stifness"])
 
 
 def test_two_impacts_at_one_instant_have_no_gradient() -> None:
@@ -316,9 +316,9 @@ def test_two_impacts_at_one_instant_have_no_gradient() -> None:
     result = lamc.compile(device, scene).run(t_end=0.2, taped=True)
     first = result.events[0].t
     with pytest.raises(lamc.SimulationError, match=f"at t = {first:.9g}.*several events fall on one instant"):
-        lamc.gradient(result, "last(h_a)")
+        result.gradient("last(h_a)")
     before = int(np.flatnonzero(result.t < first)[-1])
-    assert np.isfinite(lamc.gradient(result, f"h_a[{before}]")["a.mass"])
+    assert np.isfinite(result.gradient(f"h_a[{before}]")["a.mass"])
 
 
 def test_nothing_of_it_stands_in_the_c_of_others() -> None:

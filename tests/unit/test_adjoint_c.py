@@ -1,6 +1,7 @@
 """The C of gradients: no warning, no undefined behaviour, the rows of a run by itself, whatever the slices and
 tapes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -133,8 +134,16 @@ int main(void) {{
 
 def made(folder: Path, name: str, method: str) -> SourceTree:
     """The files of a model with pullbacks in `folder`, with `try.c`, the program above."""
+    examples = Path(lamc.__file__).parent / "examples"
     if name == "loop":
-        sim = lamc.compile(lamc.load(Path(lamc.__file__).parent / "examples" / "four_bar.yaml"))
+        sim = lamc.compile(lamc.load(examples / "four_bar.yaml"))
+    elif name == "impacts":
+        design = lamc.load(examples / "limit_stop.yaml")
+        effects = (lamc.Gravity(), lamc.HingeStiffness(), lamc.JointLimits(restitution=0.6))
+        sim = lamc.compile(design, replace(design.scene, effects=effects))
+    elif name == "samples":
+        servo = replace(SAMPLES["servo"], period=0.013)
+        sim = lamc.compile(two_links(), lamc.Scene(effects=(SAMPLES["gravity"], servo)))
     else:
         effects = (SAMPLES["gravity"], *((SAMPLES[name],) if name != "gravity" else ()))
         sim = lamc.compile(two_links(), lamc.Scene(effects=effects))
@@ -158,6 +167,8 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
         ("joint_limits", "DOP853"),
         ("free_base", "RODAS5P"),
         ("ground_contact", "RK45"),
+        ("impacts", "DOP853"),
+        ("samples", "RADAU5"),
     ],
 )
 def test_sanitizers_find_nothing_and_tapes_do_not_matter(name: str, method: str, tmp_path: Path) -> None:

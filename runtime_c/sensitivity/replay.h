@@ -78,6 +78,13 @@ static inline void lamc_replay_stage(lamc_sensitivity *s, const tableau *a, int 
   lamc_vary(s, &place, argument, lamc_slope_of(s, stage));
 }
 
+/* dS/dt at the end of the last step; y: (n,) of scratch */
+static inline void lamc_replay_end(lamc_sensitivity *s, lamc_real *y) {
+  const tableau a = lamc_tableau(s->run.method);
+  const lamc_place end = lamc_stage_place(s, &a, a.last, y);
+  lamc_vary(s, &end, s->end, lamc_slope_of(s, a.last));
+}
+
 /* S over the last step of an explicit method, from `start` to `end`; argument and y: scratch, (n, width) and (n,) */
 static inline void lamc_replay(lamc_sensitivity *s, lamc_real *argument, lamc_real *y) {
   const lamc_run *run = &s->run;

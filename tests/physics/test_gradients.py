@@ -10,7 +10,10 @@ import numpy.typing as npt
 import pytest
 
 import lamc
+from lamc.mechanics import pullbacks
+from lamc.mechanics.lower import lower
 from lamc.records.mechanism import Body, Joint, Mechanism
+from lamc.run import native, taping
 from lamc.run.gradients import Weights, by_names, pulled_back
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
@@ -329,3 +332,25 @@ def test_nothing_of_it_stands_in_the_c_of_others() -> None:
     assert sim.program.digest == before
     text = "".join(path.read_text() for path in sim.source_dir.glob("*.[ch]"))
     assert "pullback" not in text
+
+
+def test_tapes_of_many_pieces_give_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Entries come in pieces of 64 here, and rows one by one."""
+    sim = lamc.compile(oscillator(), lamc.Scene(effects=(lamc.HingeStiffness(),), angles={"h": 0.3}))
+    whole = sim.run(t_end=3.0, taped=True).gradient("mean(h^2)")
+    monkeypatch.setattr(taping, "CHUNK", 1)
+    monkeypatch.setattr(native, "CHUNK", 1)
+    result = sim.run(t_end=3.0, taped=True)
+    assert result.tape is not None
+    assert len(result.tape.chunks) >= 3
+    assert dict(result.gradient("mean(h^2)")) == dict(whole)
+    monkeypatch.setattr(taping, "MOST", 100)
+    with pytest.raises(lamc.SimulationError, match=r"the tape of this run, at t = .* takes more than"):
+        sim.run(t_end=3.0, taped=True)
+
+
+def test_code_that_would_be_too_long_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    sim = lamc.compile(oscillator(), lamc.Scene(effects=(lamc.HingeStiffness(),)))
+    monkeypatch.setattr(pullbacks, "MAX_FLOPS", 1)
+    with pytest.raises(lamc.RequestError, match="more than 1; take differences of runs"):
+        lower(sim.equations, pullbacks=True)

@@ -2,7 +2,9 @@
 
     python -m benchmarks.gradients [--quick]
 
-First, examples with 1 to 20 derivatives, over the run without them: `sim.run` as users call it. Then the paper's
+First, examples with 1 to 20 derivatives, over the run without them: `sim.run` as users call it. Then a chain of 24
+hinges in space, by 10 to 200 of its numbers: sensitivities, and the gradient of one measure by the run backwards, a
+run that keeps its steps included. Processor time; what is compiled the first time is told beside it. Then the paper's
 triple pendulum, differentiated by stiffness and damping of its hinges: of each program the fastest run whose
 derivatives at the end are within an error, over a ladder of tolerances. CasADi's equations are C that it made and
 compiled; both of CVODES' methods are tried, and the faster one counts. Errors are against lamc and CVODES at their
@@ -11,7 +13,8 @@ tightest, which must agree.
 
 import argparse
 import importlib
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -36,6 +39,8 @@ LADDER = [10.0**-k for k in range(4, 13)]
 TARGETS = (1e-4, 1e-6, 1e-8)
 AGREE = 1e-9  # of the two references: CVODES goes no further than some 1e-10 of a derivative
 GOAL = 3.0
+LINKS = 24
+MANY = (1, 10, 50, 100, 200)  # sensitivities by each take a minute or two of gcc the first time
 
 
 def of_examples(repeats: int) -> None:
@@ -68,6 +73,71 @@ def of_examples(repeats: int) -> None:
                 ]
             )
     print(table(["example", "derivatives", "run", "with them", "ratio", "asked"], rows))
+
+
+def chain() -> lamc.Simulator:
+    """LINKS cards of 20 mm, of 1 g each, hinged in space, which fall against their springs."""
+    bodies, joints = [lamc.Body("ground", fixed=True)], []
+    for k in range(LINKS):
+        com, inertia = (
+            np.array([(k + 0.5) * 0.02, 0.01, 0.0]),
+            np.diag([1.0, 1.0, 2.0]) * 1e-3 * 0.02**2 / 12.0,
+        )
+        bodies.append(lamc.Body(f"link{k}", 1e-3, com, inertia))
+        axis = np.array([0.0, 1.0, 0.0] if k % 2 == 0 else [0.6, 0.8, 0.0])
+        where = {"point": np.array([k * 0.02, 0.0, 0.0]), "axis": axis}
+        joints.append(
+            lamc.Joint(f"h{k}", bodies[k].name, bodies[k + 1].name, **where, stiffness=0.05, damping=1e-4)
+        )
+    effects = (lamc.Gravity((0.0, 0.0, -9.81)), lamc.HingeStiffness(), lamc.HingeDamping(), lamc.RestAngle())
+    return lamc.compile(
+        lamc.Mechanism(tuple(bodies), tuple(joints), name="chain"), lamc.Scene(effects=effects)
+    )
+
+
+def of_many(repeats: int, counts: Sequence[int] = MANY) -> None:
+    sim = chain()
+    known = [
+        *(each for each in sim.parameters if not each.startswith("gravity")),
+        *(f"{what}.{joint}" for what in ("angles", "rates") for joint in sim.joints),
+    ]
+    asked: dict[str, Any] = {"t_end": 0.5, "t_eval": np.linspace(0.0, 0.5, 101), "rtol": 1e-7, "atol": 1e-9}
+    plain = fastest(lambda: sim.run(**asked), repeats)
+    rows = []
+    began = time.perf_counter()
+    sim.run(**asked, taped=True)
+    compiled = time.perf_counter() - began
+    for count in counts:
+        names = known[:count]
+
+        def backwards(names: list[str] = names) -> object:
+            return sim.run(**asked, taped=True).gradient(f"last(h{LINKS - 1})", names)
+
+        backward = fastest(backwards, repeats)
+
+        def forwards(names: list[str] = names) -> object:
+            return sim.run(**asked, sensitivities=names)
+
+        began = time.perf_counter()
+        forwards()
+        first = time.perf_counter() - began
+        forward = fastest(forwards, max(repeats // 5, 1))
+        told = [seconds(forward), f"{forward / plain:.1f}", seconds(first)]
+        rows.append([str(count), *told, seconds(backward), f"{backward / plain:.1f}", seconds(compiled)])
+    print(f"chain of {LINKS} hinges: a run takes {seconds(plain)}")
+    heads = ["derivatives", "forward", "runs", "compiled in", "gradient", "runs", "compiled in"]
+    print(table(heads, rows))
+
+
+def fastest(job: Callable[[], object], repeats: int) -> float:
+    """Processor time, s."""
+    job()
+    best = float("inf")
+    for _ in range(repeats):
+        began = time.process_time()
+        job()
+        best = min(best, time.process_time() - began)
+    return best
 
 
 def triple() -> tuple[lamc.Simulator, Callable[[float], Callable[[], Array]]]:
@@ -140,6 +210,7 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="one turn each")
     repeats = 1 if parser.parse_args().quick else 15
     of_examples(repeats)
+    of_many(repeats, MANY[1:2] if repeats == 1 else MANY)
     if peer is not None:
         beside_cvodes(repeats)
 

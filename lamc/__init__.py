@@ -74,6 +74,7 @@ from lamc.records.scene import OutputPoint, Scene
 from lamc.records.series import Series
 from lamc.run.ensemble import Ensemble
 from lamc.run.equilibrium import Equilibrium
+from lamc.run.gradients import Gradient
 from lamc.run.linear_model import LinearModel
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -107,6 +108,7 @@ __all__ = [
     "FlexibleLinks",
     "Free",
     "FreeBase",
+    "Gradient",
     "Gravity",
     "GroundContact",
     "HingeDamping",
@@ -165,6 +167,7 @@ drawing.tell(  # (kind of record, verb) → "module:function", imported when the
         ("Mechanism", "draw"): "lamc.report.drawn:draw_mechanism",
         ("Simulator", "remake"): "lamc.pipeline:compile",
         ("Solution", "plot"): "lamc.report.plate_plot:plot",
+        ("Result", "gradient"): "lamc.studies.gradient:gradient",
         ("Result", "plot"): "lamc.report.plots:plot",
         ("Result", "animate"): "lamc.report.animation:animate",
         ("Fit", "animate"): "lamc.report.fit_film:animate",

@@ -97,16 +97,17 @@ def sources_of(
     *,
     energy_balance: bool = False,
     columns: Columns | None = None,
+    pullbacks: bool = False,
     precision: str = "double",
 ) -> "tuple[Program, SourceTree]":
-    """lower and emit. energy_balance: with the power of every effect; columns: with derivatives by these; precision:
-    "double" or "float"."""
+    """lower and emit. energy_balance: with the power of every effect; columns: with derivatives by these; pullbacks:
+    with those of weighted sums; precision: "double" or "float"."""
     from lamc.codegen.emit import emit
     from lamc.mechanics.lower import lower
 
     times = times or Times()
     with times.stage("lower"):
-        program = lower(equations, energy_balance=energy_balance, columns=columns)
+        program = lower(equations, energy_balance=energy_balance, columns=columns, pullbacks=pullbacks)
     with times.stage("emit"):
         return program, emit(program, precision)
 
@@ -180,6 +181,7 @@ def _compiled(
             times,
             energy_balance=extras.energy_balance,
             columns=extras.columns,
+            pullbacks=extras.pullbacks,
             precision=options.precision,
         )
 
@@ -200,7 +202,7 @@ def _compiled(
         return made, scene_numbers(made, numbers, scene.parameters), keys
 
     def as_drawn(extras: Extras) -> tuple[Module, DesignNumbers, tuple[DrawnKey, ...]]:
-        maker = find_machine_compiler(options) if extras.lanes or extras.columns else compiler
+        maker = find_machine_compiler(options) if extras.is_of_machine else compiler
         alias = None  # of this design alone
         if common is not None:
             inputs = (mechanism, effects, loops, maker, options, scene.inputs)
@@ -232,6 +234,10 @@ def _compiled(
             from lamc.codegen.emit_tangents import emit_tangents
 
             tree = emit_tangents(program, tree)
+        if extras.pullbacks:
+            from lamc.codegen.emit_pullbacks import emit_pullbacks
+
+            tree = emit_pullbacks(program, tree)
         with times.stage("compile"):
             entry, made, times.from_cache = build(tree, program.structure, maker, options, cache)
         keep_opened(cache, entry, made)
@@ -254,6 +260,7 @@ def _compiled(
         Recipe(mechanism, scene, options, cache),
         lambda: module(Extras(lanes=True)),
         lambda columns: keyed_module(Extras(columns=columns)),
+        lambda: keyed_module(Extras(pullbacks=True)),
     )
     return _on_branch(simulator, mechanism, options, times, cache)
 

@@ -14,7 +14,16 @@ from lamc.symbolic.program import Function, Operand
 # parallel hinges: nearly twice as quick); gcc then takes about a second. What runs once per row compiles quickly.
 MAX_BLOCK = 400
 MAX_BLOCK_AT_EVERY_STEP = 1500
-AT_EVERY_STEP = ("acceleration", "dynamics", "system", "closure", "constraints", "residual", "momenta")
+AT_EVERY_STEP = (
+    "acceleration",
+    "dynamics",
+    "system",
+    "closure",
+    "constraints",
+    "residual",
+    "momenta",
+    "motion_pullback",
+)
 
 
 def arrange(

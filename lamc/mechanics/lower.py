@@ -12,6 +12,7 @@ from types import MappingProxyType
 from lamc.codegen.lowering import Lowering, canonical
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.jobs import ENERGY, POSES, POWER, event_jobs, motion_jobs, tangent_jobs
+from lamc.mechanics.pullbacks import Pullbacks
 from lamc.mechanics.tangents import Columns
 from lamc.records.series import ORDERS
 from lamc.symbolic.allocation import collector_paused
@@ -34,9 +35,16 @@ INPUT = "from outside"
 
 
 @collector_paused
-def lower(equations: Equations, *, energy_balance: bool = False, columns: Columns | None = None) -> Program:
-    """The program of `equations`; with the power of every effect where the `energy_balance` is to be kept, and with
-    derivatives by `columns`, where there are any. Raises RequestError where these would be too long."""
+def lower(
+    equations: Equations,
+    *,
+    energy_balance: bool = False,
+    columns: Columns | None = None,
+    pullbacks: bool = False,
+) -> Program:
+    """The program of `equations`; with the power of every effect where the `energy_balance` is to be kept, with
+    derivatives by `columns`, where there are any, and with those of weighted sums. Raises RequestError where these
+    would be too long."""
     equations = equations.forked()
     store = equations.store
     motion = motion_jobs(equations)
@@ -48,6 +56,8 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         *([] if columns is None else tangent_jobs(equations, columns)),
         *([(POWER, tuple(equations.powers.values()))] if energy_balance else []),
     ]
+    pulled = Pullbacks(equations) if pullbacks else None
+    jobs += [] if pulled is None else pulled.jobs
     modes = [terms.guard.mode for terms in equations.guards if terms.guard.mode is not None]
     clocks = [terms.guard.clock for terms in equations.guards if terms.guard.clock is not None]
     modes += [
@@ -62,10 +72,13 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs)
         for (name, purpose, reads), outputs in jobs
     ]
-    if equations.closure is not None:
-        for key, value in (("size", equations.tree.mechanism.size), ("gap", equations.loops.accepted_gap)):
-            constants[store.drawn_number(value, (key,)).index] = len(constants)
-    drawn = _drawn_numbers(store, constants)
+    last = _last_numbers(equations)
+    drawn = _drawn_numbers(store, (*constants, *last))
+    if pulled is not None:
+        (name, purpose, reads), outputs = pulled.setup(tuple(drawn))
+        functions.append(Lowering(store, Level.PARAMETER, constants).function(name, purpose, reads, outputs))
+    for index in last:
+        constants[index] = len(constants)
     places = {index: len(equations.parameters) + place for place, index in enumerate(drawn.values())}
     setup = Lowering(store, Level.NUMBER, {}, places).function(
         "setup",
@@ -98,6 +111,7 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         series=_series(equations, store, [value for _, outputs in motion for value in outputs]),
         powers=tuple(equations.powers) if energy_balance else (),
         columns=() if columns is None else columns.names,
+        source_count=0 if pulled is None else len(pulled.sources),
         jacobian_cost=_jacobian_cost(functions),
         rank=equations.loops.rank,
         pattern=equations.pattern,
@@ -106,6 +120,14 @@ def lower(equations: Equations, *, energy_balance: bool = False, columns: Column
         tables=MappingProxyType(_tables(store, (setup, *functions))),
     )
     return _with_digests(program)
+
+
+def _last_numbers(equations: Equations) -> tuple[int, ...]:
+    """Nodes of the last two constants of what has loops: its size, and the gap that they may keep."""
+    if equations.closure is None:
+        return ()
+    numbers = (("size", equations.tree.mechanism.size), ("gap", equations.loops.accepted_gap))
+    return tuple(equations.store.drawn_number(value, (key,)).index for key, value in numbers)
 
 
 def _series_nodes(store: Store) -> list[int]:
@@ -199,6 +221,7 @@ def _canonical(program: Program) -> Iterable[str]:
             *([program.clocks] if program.clocks else []),
             program.powers,
             *([program.columns] if program.columns else []),
+            *([program.source_count] if program.source_count else []),
             program.jacobian_cost,
             [number.key for number in program.geometry],
         )

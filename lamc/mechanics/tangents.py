@@ -72,7 +72,7 @@ def tangents(equations: Equations, columns: Columns) -> Tangents:
     if equations.closure is not None:
         residuals = [*loaded_residuals(equations, residuals), *second_derivative(equations, udot)]
     closed = [] if equations.closure is None else equations.closure.residual
-    drifts = [] if equations.closure is None else _drifts(equations, u)
+    drifts = [] if equations.closure is None else drifts_of(equations, u)
     guards = [terms.guard.value for terms in equations.guards]
     moves = _moves(equations, columns)
     clocks = [terms.guard.clock for terms in equations.guards if terms.guard.clock is not None]
@@ -131,7 +131,7 @@ def parameter_key(name: str) -> DrawnKey:
     return ("parameter", name)
 
 
-def _drifts(equations: Equations, u: Sequence[Value]) -> list[Scalar]:
+def drifts_of(equations: Equations, u: Sequence[Value]) -> list[Scalar]:
     """J u, by equation."""
     assert equations.closure is not None
     result: list[Scalar] = []

@@ -164,6 +164,6 @@ def own_sources() -> str:
     )
     data = [
         data_dir("templates"),
-        *(data_dir("runtime_c") / part for part in ("include", "src", "ensemble", "sensitivity")),
+        *(data_dir("runtime_c") / part for part in ("include", "src", "ensemble", "sensitivity", "adjoint")),
     ]
     return own_stamps(*shaping) + stamps(data)

@@ -58,15 +58,23 @@ class Extras:
     energy_balance  powers of the effects
     lanes           steps of several runs side by side
     columns         derivatives of the equations by these
+    pullbacks       derivatives of weighted sums of what the equations give
     """
 
     energy_balance: bool = False
     lanes: bool = False
     columns: Columns | None = None
+    pullbacks: bool = False
 
     def __str__(self) -> str:
         columns = "" if self.columns is None else f" columns {self.columns!r}"
-        return f"powers {self.energy_balance} lanes {self.lanes}{columns}"
+        pullbacks = " pullbacks" if self.pullbacks else ""
+        return f"powers {self.energy_balance} lanes {self.lanes}{columns}{pullbacks}"
+
+    @property
+    def is_of_machine(self) -> bool:
+        """Whether parts are compiled for this very machine."""
+        return self.lanes or self.pullbacks or self.columns is not None
 
 
 PLAIN = Extras()

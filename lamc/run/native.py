@@ -18,6 +18,7 @@ from lamc.run.following import Recorded
 from lamc.run.methods import LINEAR_ALGEBRA, NUMBERS
 from lamc.run.model import Model, Motion
 from lamc.run.request import Along, Array, Request, Status, Trajectory
+from lamc.run.taping import TapedRun
 
 SLICE = 0.02  # s of wall time; Ctrl-C is answered after one at the latest
 FIRST_BUDGET = 500  # evaluations; even a thousand hinges stay below SLICE with it
@@ -125,8 +126,13 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
     asked = (ffi.NULL, 0) if times is None else (model.read(times), len(times))
     columns = 0 if request.along is None else request.along.start.shape[1]
     rows = _Rows(model, times, int(ode.integral_count), columns)
-    engine: _Run | _Differentiated
-    if request.along is None:
+    engine: _Run | _Differentiated | TapedRun
+    if request.tape is not None:
+        engine = TapedRun(model, rows, request.tape)
+        request.tape.request = request
+        given = (request.t_start, start, request.t_end, *asked, model.write(work))
+        status = engine.start(motion, NUMBERS[method], options, *given)
+    elif request.along is None:
         engine = _Run(model, rows)
         given = (request.t_start, start, request.t_end, *asked, model.write(work))
         status = engine.start(ode, NUMBERS[method], options, *given)
@@ -142,6 +148,8 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
     first_method, modes = run.method, model.modes(motion)
     if status == lib.LAMC_OK:
         status = _advance(model, engine, request)
+    if isinstance(engine, TapedRun):
+        engine.close()
     last = _last_row(model, run, ode, request, columns) if status < 0 else None
     t, q, u, kept_work, along = rows.taken(last)
     first = NAMES[first_method]
@@ -244,7 +252,7 @@ def _last_row(model: Model, run: Any, ode: Any, request: Request, columns: int) 
     return np.array([float(run.t)]), y, work, unknown
 
 
-def _advance(model: Model, engine: "_Run | _Differentiated", request: Request) -> int:
+def _advance(model: Model, engine: "_Run | _Differentiated | TapedRun", request: Request) -> int:
     """Slices until the run is over; its last status."""
     lib, run = model.lib, engine.run
     budget = FIRST_BUDGET

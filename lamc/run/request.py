@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +18,9 @@ import numpy.typing as npt
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, RequestError
 from lamc.basics.units import DURATION, to_si
+
+if TYPE_CHECKING:
+    from lamc.run.taping import Tape
 
 Array = npt.NDArray[np.float64]
 Progress = Callable[[float, float], None]
@@ -72,6 +76,7 @@ class Request:
     energy_balance: bool = False  # whether the work of effects is kept
     t_start: float = 0.0  # s, of y0
     along: "Along | None" = None  # what the run is differentiated by; None: nothing
+    tape: "Tape | None" = None  # what keeps its steps; None: nothing does
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ and poses are evaluated by the compiled model when first asked for. Never: integ
 was made.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from types import MappingProxyType
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from lamc.basics.drawing import drawer
 from lamc.basics.errors import RequestError
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
@@ -29,10 +30,12 @@ from lamc.run.model import Motion, Unchanging
 from lamc.run.quantities import Quantity, quantity_of
 from lamc.run.request import Array, Status
 from lamc.run.run_record import Event, Provenance, RunStats
+from lamc.run.taping import Tape
 from lamc.symbolic.program import Coordinate
 
 if TYPE_CHECKING:
     from lamc.records.effect import PlaneMark
+    from lamc.run.gradients import Gradient
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +74,7 @@ class Result(GivenOut, Viewable, Unchanging):
     telling: Callable[[], Motion] | None = field(default=None, repr=False)  # of the motion that tells powers
     sensitivities: Sensitivities | None = None  # where the run was differentiated
     kept: Kept | None = field(default=None, repr=False)  # where the run kept the energy balance
+    tape: Tape | None = field(default=None, repr=False)  # where the run kept its steps; it is not pickled
 
     def __post_init__(self) -> None:
         for array in (self.t, self.q, self.u):
@@ -81,7 +85,8 @@ class Result(GivenOut, Viewable, Unchanging):
         return f"<Result of {self.provenance.design!r}: {len(self.t)} rows, {n} joints; {self.message}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return partial(type(self), **{each.name: getattr(self, each.name) for each in fields(self)}), ()
+        kept = [each.name for each in fields(self) if each.name != "tape"]
+        return partial(type(self), **{name: getattr(self, name) for name in kept}), ()
 
     @property
     def success(self) -> bool:
@@ -105,7 +110,8 @@ class Result(GivenOut, Viewable, Unchanging):
         found = self.sensitivities
         if found is not None:
             found = replace(found, values=found.values[keep])
-        return replace(self, t=self.t[keep], q=self.q[keep], u=self.u[keep], kept=kept, sensitivities=found)
+        t, q, u = self.t[keep], self.q[keep], self.u[keep]
+        return replace(self, t=t, q=q, u=u, kept=kept, sensitivities=found, tape=None)
 
     @property
     def nfev(self) -> int:
@@ -284,6 +290,21 @@ class Result(GivenOut, Viewable, Unchanging):
         if self.sensitivities is None:
             raise RequestError("the run was not differentiated: run it with sensitivities=[…]")
         return self.sensitivities.of(self, output, name)
+
+    def gradient(self, measure: object, names: Sequence[str] | None = None) -> "Gradient":
+        """Derivatives of one number of the run by parameters: by all of them at the cost of a few runs. The run must
+        have been made with taped=True.
+
+        measure  text, such as "max(tip.z)" or "rms(h2 - 10 deg)", as of `lamc.sweep`
+        names    parameters of the model, dimensions of the design, "angles.JOINT" and "rates.JOINT" of the start; None:
+                 all parameters of the model but times at which servos sample, by which there are none. A dimension
+                 takes some milliseconds besides, as its drawing is split anew
+
+        The derivatives are those of what the run computes at the steps that it takes, as `sensitivity` has them;
+        extremes, averages and crossings are followed as the measure reads them off the rows. Raises RequestError for
+        measures and names without a gradient, SimulationError where the run has none, with the instant and why."""
+        found: Gradient = drawer("Result", "gradient")(self, measure, names)
+        return found
 
     @lazy
     def _rows(self) -> Array:

@@ -63,6 +63,7 @@ class Running(Starting):
         the run's derivatives are by."""
         started = time.perf_counter()
         carrier = motion if differentiated is None else differentiated.motion
+        carrier = carrier if request.tape is None else request.tape.motion
         used, trajectory = integrators.integrate(integrator, carrier, request)
         wall_time = time.perf_counter() - started
         provenance, marks = self._circumstances(motion)
@@ -98,6 +99,7 @@ class Running(Starting):
             sensitivities=None
             if differentiated is None or trajectory.along is None
             else differentiated.sensitivities(trajectory.along, trajectory.lost),
+            tape=request.tape,
         )
         logger.info("run of %r: %s, in %.3g s", self._model.name, result.message, wall_time)
         return result, trajectory.effort

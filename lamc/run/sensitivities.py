@@ -9,7 +9,7 @@ differences of order 4 of what splitting and closing give, some 1e-10 of them; w
 as a vanishing edge makes them, the name is refused.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -67,7 +67,7 @@ def differentiated(
     baumgarte: float = 0.0,
 ) -> Differentiated | None:
     """What `Simulator.run(sensitivities=names)` runs; None without names. Raises RequestError for names of nothing."""
-    asked = _checked(simulator, names)
+    asked = checked_names(simulator, names)
     if not asked:
         return None
     columns = Columns(
@@ -76,7 +76,9 @@ def differentiated(
     )
     starts = tuple(name for name in asked if name not in columns.names)
     model, keys = simulator.with_columns(columns)
-    paces = {name: _pace(simulator, model, columns, keys, name) for name in columns.dimensions}
+    paces = {
+        name: pace_of(simulator, name, lambda each: each.with_columns(columns)) for name in columns.dimensions
+    }
     motion = _motion(model, columns, keys, parameters, paces, baumgarte)
     directions = np.zeros((max(len(columns.names), 1), max(len(motion.parameters), 1)))
     place = {name: k for k, name in enumerate(model.parameters)}
@@ -98,7 +100,7 @@ def differentiated(
     return Differentiated(motion, along, asked, tuple(order), shifted, sizes)
 
 
-def _checked(simulator: "Simulator", names: object) -> tuple[str, ...]:
+def checked_names(simulator: "Simulator", names: object) -> tuple[str, ...]:
     asked = tuple(names) if isinstance(names, Iterable) and not isinstance(names, str) else None
     if asked is None or not all(isinstance(name, str) for name in asked):
         raise RequestError(
@@ -131,7 +133,7 @@ def _is_dimension(simulator: "Simulator", name: str) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class _Pace:
+class Pace:
     """How a design follows from a dimension.
 
     inputs   (inputs,): derivatives of what `setup` is given
@@ -157,21 +159,32 @@ def _at(simulator: "Simulator", name: str, way: float) -> "Simulator":
     return other
 
 
-def _pace(simulator: "Simulator", model: Model, columns: Columns, keys: Keys, name: str) -> _Pace:
+def pace_of(simulator: "Simulator", name: str, modelled: "Callable[[Simulator], tuple[Model, Keys]]") -> Pace:
+    """How a design follows from a dimension. modelled: the model with derivatives of a simulator, and the keys of its
+    numbers of the drawing."""
     design = _source(simulator)
     value = design.parameters[name].default
     step = STEP * abs(value) if value else STEP
+    model, keys = modelled(simulator)
     count = len(model.parameters) + len(keys)
 
     def numbers(way: float) -> Array:
         other = _at(simulator, name, way)
-        made, there = other.with_columns(columns)
+        made, there = modelled(other)
         if there != keys:
             raise RequestError(f"there is no derivative by {name!r}: beside its value other numbers count")
         return np.concatenate([made.defaults, made.geometry, other.start])
 
     found = agreed(numbers, step, name)
-    return _Pace(found[:count], found[count:], step)
+    return Pace(found[:count], found[count:], step)
+
+
+def drawn_beside(simulator: "Simulator", name: str) -> "Iterator[tuple[float, Mechanism]]":
+    """Drawings with other values of a dimension, and their parts in a difference."""
+    value = _source(simulator).parameters[name].default
+    step = STEP * abs(value) if value else STEP
+    for place, weight in zip(PLACES, WEIGHTS, strict=True):
+        yield weight / step, _at(simulator, name, place * step).mechanism
 
 
 def _motion(
@@ -179,7 +192,7 @@ def _motion(
     columns: Columns,
     keys: Keys,
     parameters: Mapping[str, float | str],
-    paces: Mapping[str, _Pace],
+    paces: Mapping[str, Pace],
     baumgarte: float,
 ) -> Motion:
     """The motion with these parameters, which also knows how fast the drawing's numbers move along each dimension."""

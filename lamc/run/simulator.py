@@ -41,6 +41,7 @@ from lamc.run.result import Result
 from lamc.run.running import Running
 from lamc.run.sensitivities import differentiated
 from lamc.run.start_checks import check_run, check_start
+from lamc.run.taping import check_taped, tape_of
 from lamc.run.topology import changes
 
 if TYPE_CHECKING:  # what a compiled module from the cache does without
@@ -87,6 +88,7 @@ class Simulator(Running, OperatingPoints, Viewable):
         recipe: Recipe | None = None,
         lanes: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
         columns: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]] | None" = None,
+        pullbacks: "Callable[[], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]] | None" = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
         numbers: of the design; None: those that the C was printed with.
@@ -95,6 +97,7 @@ class Simulator(Running, OperatingPoints, Viewable):
         recipe: what it can be made from again, in another process; None: it cannot be pickled.
         lanes: makes the module that runs ensembles; None: there is none to be had.
         columns: makes the module with derivatives by what it is given; None: there is none to be had.
+        pullbacks: makes the module that takes gradients; None: there is none to be had.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
@@ -103,6 +106,7 @@ class Simulator(Running, OperatingPoints, Viewable):
         self._program = program
         self._lanes = lanes
         self._columns = None if columns is None else remembered(partial(_model_of, columns, series_of(scene)))
+        self._pullbacks = pullbacks
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
@@ -186,6 +190,7 @@ class Simulator(Running, OperatingPoints, Viewable):
         accuracy: float | None = None,
         sensitivities: Sequence[str] = (),
         series: "Mapping[str, Series] | None" = None,
+        taped: bool = False,
         books: bool | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
@@ -220,6 +225,8 @@ class Simulator(Running, OperatingPoints, Viewable):
                     run computes, at the steps that it takes, which are the same to the last bit with and without. The
                     first time a list takes a compile of its own
         series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
+        taped       whether the steps are kept, for `Result.gradient`, derivatives of a measure by any number of
+                    parameters. The first time that takes a compile of its own; the motion is the same to the last bit
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
@@ -241,6 +248,10 @@ class Simulator(Running, OperatingPoints, Viewable):
             )
             self._check_run(parameters, motion, request.t_end)
             telling = Telling(self, self._recipe, parameters, rate)
+            if taped:
+                check_taped(integrator, energy_balance or wanted is not None or found is not None, rate)
+                tape = tape_of(self, parameters)
+                return self._integrated(integrator, replace(request, tape=tape), motion, telling)[0]
 
             made: list[Made] = []
 
@@ -271,6 +282,14 @@ class Simulator(Running, OperatingPoints, Viewable):
         if self._columns is None:
             raise RequestError("this simulator was made by hand and has no derivatives; use lamc.compile")
         return self._columns(columns)
+
+    @lazy
+    def with_pullbacks(self) -> "tuple[Model, tuple[DrawnKey, ...]]":
+        """The model that takes gradients of runs, and the keys of its numbers of the drawing."""
+        if self._pullbacks is None:
+            raise RequestError("this simulator was made by hand and has no gradients; use lamc.compile")
+        module, numbers, keys = self._pullbacks()
+        return Model(module, numbers=numbers, series=series_of(self.scene)), keys
 
     def _request(
         self,

@@ -135,8 +135,8 @@ class Bench:
     def _without(self, index: int, status: str, reason: str) -> Row:
         return without_values(index, status, reason, len(self.subject.measures))
 
-    def result(self, point: Sequence[float]) -> Result:
-        """The run of a point. Raises LamcError where there is none."""
+    def result(self, point: Sequence[float], *, taped: bool = False) -> Result:
+        """The run of a point; taped: with its steps, for gradients. Raises LamcError where there is none."""
         simulator, run = self.simulator(point), self.subject.run
         fast = [(t, v) for t, v in zip(self.subject.targets, point, strict=True) if t.kind not in SLOW]
         options = {target.name: value for target, value in fast if target.kind == "option"}
@@ -153,6 +153,7 @@ class Bench:
             {**run.parameters, **own},
             max_steps=run.max_steps,
             max_step=options.get("max_step", run.max_step),
+            taped=taped,
         )
 
     def _times(self, t_end: float, size: int) -> Array | None:

@@ -22,6 +22,7 @@ COARSE = 1e-4  # of a range, of 2 points: an error of 1e-7 is enough to walk by
 _CLOSE = (
     1e-5  # of a range, between points by which noise is told: what is smooth has no fourth differences there
 )
+MANY = 50  # edges, beyond which slopes come from runs backwards: they cost a few runs, however many edges there are
 _LARGER = 70.0**0.5  # are fourth differences of noise than it: the root of 1 + 16 + 36 + 16 + 1
 
 
@@ -42,8 +43,12 @@ class Slopes:
 
 
 def gradients(problem: Problem, places: Array, edges: Edges) -> tuple[Array, Array]:
-    """Gradient (n,) of the cost and Jacobian (c, n) of the constraints along `edges`, by two points each. Entries that
-    no points that make a run are there for are zero."""
+    """Gradient (n,) of the cost and Jacobian (c, n) of the constraints along `edges`, by two points each; of many
+    edges by the run's own steps backwards, where it has a gradient. Entries that no points that make a run are there
+    for are zero."""
+    exact = _backwards(problem, places, edges) if len(edges) > MANY else None
+    if exact is not None:
+        return exact
     found = np.zeros((len(edges), 1 + len(problem.constraints)))
     problem.ahead(_shifted(places, e, h) for e in edges for h in _two_sided(places[e], COARSE))
     for row, edge in enumerate(edges):
@@ -51,6 +56,18 @@ def gradients(problem: Problem, places: Array, edges: Edges) -> tuple[Array, Arr
         if len(offsets) >= 2:
             found[row] = _weights(offsets, 1) @ values
     return found[:, 0], found[:, 1:].T
+
+
+def _backwards(problem: Problem, places: Array, edges: Edges) -> tuple[Array, Array] | None:
+    """The same from one run and its way back."""
+    trial = problem.at(places)
+    slopes_at = problem.slopes_at(trial.point) if trial.is_ok else None
+    if slopes_at is None:
+        return None
+    spans = [problem.space.variables[e].slope(float(places[e])) for e in edges]
+    found = slopes_at[:, edges] * np.array(spans)
+    of_cost = found[0] * (2.0 * trial.goals[0] if problem.is_rooted(trial) else 1.0)
+    return of_cost / problem.size, found[1:] / problem.sizes[:, None]
 
 
 def jacobian(problem: Problem, places: Array, edges: Edges) -> Array:

@@ -6,7 +6,7 @@ do not fit. A term holds functions, so it stays in its process; measures travel 
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -15,8 +15,10 @@ import numpy as np
 from lamc.basics.errors import ExpressionError, RequestError
 from lamc.run.request import Array
 from lamc.run.result import Result
+from lamc.studies import sample_slopes as slopes
 from lamc.studies.dimensions import PLAIN, RADIAN, SECOND, Unit
-from lamc.studies.samples import Samples, first_above, highest, integral, mean, rms, value_at
+from lamc.studies.measure_slopes import Slope, mapped_slope, nothing, sampled_slope, without
+from lamc.studies.samples import Samples, first_above, highest, integral, mean, rms, turned, value_at
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +62,8 @@ Value = Callable[[Rows], Any]  # floats, or arrays (m,) of terms over time
 @dataclass(frozen=True, eq=False)
 class Term:
     """value: in SI `unit`. is_bare: a number that was written without a unit, and takes that of what it is added to.
-    number: its value where no run is needed for it. times: at which values are asked for, s."""
+    number: its value where no run is needed for it. times: at which values are asked for, s. slope: hands what the
+    term is weighed with on to what it is made of."""
 
     unit: Unit
     value: Value
@@ -69,6 +72,7 @@ class Term:
     number: float | None = None
     times: tuple[float, ...] = ()
     names: frozenset[str] = frozenset()  # of the quantities in it, and of what is varied
+    slope: Slope = nothing
 
     @staticmethod
     def of_number(number: float, unit: Unit, *, is_bare: bool = False) -> "Term":
@@ -76,12 +80,23 @@ class Term:
 
 
 def quantity(name: str, unit: Unit) -> Term:
-    return Term(unit, lambda rows: rows.quantity(name), over_time=True, names=frozenset([name]))
+    return Term(
+        unit,
+        lambda rows: rows.quantity(name),
+        over_time=True,
+        names=frozenset([name]),
+        slope=lambda _, weight, gathered: gathered.add_quantity(name, weight),
+    )
 
 
 def parameter(name: str, unit: Unit) -> Term:
     """What was varied for the run."""
-    return Term(unit, lambda rows: rows.parameter(name), names=frozenset([name]))
+    return Term(
+        unit,
+        lambda rows: rows.parameter(name),
+        names=frozenset([name]),
+        slope=lambda _, weight, gathered: gathered.add_given(name, weight),
+    )
 
 
 def negated(term: Term) -> Term:
@@ -157,7 +172,7 @@ def function(name: str, terms: Sequence[Term]) -> Term:
 
 OVER_TIME: Mapping[str, Callable[[Samples], float]] = {
     "max": lambda samples: highest(samples)[0],
-    "min": lambda samples: -highest(_turned(samples))[0],
+    "min": lambda samples: -highest(turned(samples))[0],
     "mean": mean,
     "rms": rms,
     "integral": integral,
@@ -171,7 +186,8 @@ def reduced(name: str, term: Term) -> Term:
     _needs_time(name, term)
     reduce = OVER_TIME[name]
     unit = term.unit * SECOND if name == "integral" else term.unit
-    return _number(term, lambda rows: reduce(rows.samples(term.value(rows))), unit)
+    slope = sampled_slope(term, slopes.OVER_TIME[name])
+    return _number(term, lambda rows: reduce(rows.samples(term.value(rows))), unit, slope)
 
 
 def row(term: Term, index: int) -> Term:
@@ -181,7 +197,7 @@ def row(term: Term, index: int) -> Term:
         values = rows.samples(term.value(rows)).y
         return float(values[index]) if -len(values) <= index < len(values) else math.nan
 
-    return _number(term, value, term.unit)
+    return _number(term, value, term.unit, sampled_slope(term, lambda each: slopes.row_slope(each, index)))
 
 
 def valued_at(term: Term, time: Term) -> Term:
@@ -191,8 +207,9 @@ def valued_at(term: Term, time: Term) -> Term:
     if not (time.is_bare or time.unit.is_like(SECOND)):
         raise ExpressionError(f"the time in at(…) is in {time.unit.text}; it must be in s")
     moment = time.number
-    found = _number(term, lambda rows: value_at(rows.samples(term.value(rows)), moment), term.unit)
-    return Term(found.unit, found.value, times=(*term.times, moment), names=term.names)
+    slope = sampled_slope(term, lambda each: slopes.at_slope(each, moment))
+    found = _number(term, lambda rows: value_at(rows.samples(term.value(rows)), moment), term.unit, slope)
+    return replace(found, times=(*term.times, moment))
 
 
 def extreme_time(name: str, term: Term) -> Term:
@@ -201,16 +218,18 @@ def extreme_time(name: str, term: Term) -> Term:
 
     def value(rows: Rows) -> float:
         samples = rows.samples(term.value(rows))
-        return highest(samples if name == "max" else _turned(samples))[1]
+        return highest(samples if name == "max" else turned(samples))[1]
 
-    return _number(term, value, SECOND)
+    slope = slopes.highest_time_slope if name == "max" else slopes.lowest_time_slope
+    return _number(term, value, SECOND, sampled_slope(term, slope))
 
 
 def first_time(left: Term, right: Term, sign: str) -> Term:
     """The first time at which left < right, or left > right."""
     difference = added(left, negated(right)) if sign == ">" else added(right, negated(left))
     _needs_time("time_of", difference)
-    return _number(difference, lambda rows: first_above(rows.samples(difference.value(rows))), SECOND)
+    slope = sampled_slope(difference, slopes.crossing_slope)
+    return _number(difference, lambda rows: first_above(rows.samples(difference.value(rows))), SECOND, slope)
 
 
 def counted(name: str | None, _which: int) -> Term:
@@ -226,11 +245,13 @@ def event_time(name: str | None, which: int) -> Term:
         times = [each.t for each in rows.result.events if each.name == name]
         return times[which] if -len(times) <= which < len(times) else math.nan
 
-    return Term(SECOND, value)
-
-
-def _turned(samples: Samples) -> Samples:
-    return samples._replace(y=-samples.y)
+    return Term(
+        SECOND,
+        value,
+        slope=without(
+            "there is no gradient of the time of an event; take that of a crossing, time_of(x > …)"
+        ),
+    )
 
 
 def _needs_time(what: str, term: Term) -> None:
@@ -238,8 +259,8 @@ def _needs_time(what: str, term: Term) -> None:
         raise ExpressionError(f"{what} takes a quantity of the run, and this is one number")
 
 
-def _number(term: Term, value: Value, unit: Unit) -> Term:
-    return Term(unit, value, times=term.times, names=term.names)
+def _number(term: Term, value: Value, unit: Unit, slope: Slope) -> Term:
+    return Term(unit, value, times=term.times, names=term.names, slope=slope)
 
 
 def _common(left: Term, right: Term) -> Unit:
@@ -272,4 +293,5 @@ def _mapped(operation: Any, terms: Sequence[Term], unit: Unit, *, is_bare: bool 
         number=number,
         times=tuple(time for term in terms for time in term.times),
         names=frozenset().union(*(term.names for term in terms)),
+        slope=mapped_slope(operation, terms),
     )

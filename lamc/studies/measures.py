@@ -24,6 +24,7 @@ from lamc.run.simulator import Simulator
 from lamc.studies.dimensions import unit_of
 from lamc.studies.measure_names import NOTHING_GIVEN
 from lamc.studies.measure_names import Outputs as Outputs
+from lamc.studies.measure_slopes import Gathered
 from lamc.studies.measure_terms import Rows, Term
 from lamc.studies.measure_text import read
 
@@ -79,6 +80,13 @@ class Measure:
         if not len(result.t):
             return math.nan
         return float(self._term.value(Rows.of(result, given)))
+
+    def slopes(self, result: Result, given: Mapping[str, float] = NOTHING_GIVEN) -> Gathered:
+        """Its derivatives by quantities of this run, and by what was varied. Raises NoSlopeError where it has none."""
+        assert self.function is None, "functions have no derivatives"
+        gathered = Gathered()
+        self._term.slope(Rows.of(result, given), 1.0, gathered)
+        return gathered
 
     @lazy
     def _term(self) -> Term:

@@ -70,6 +70,7 @@ class Problem:
     keep: Callable[[Row], None] = lambda _: None
     known: dict[int, Row] = field(default_factory=dict)  # rows of a folder, by number
     trials: list[Trial] = field(default_factory=list)
+    slopes_at: Callable[[tuple[float, ...]], Array | None] = lambda _: None  # as of `Trier.slopes`
     stage: str = ""
     size: float = 1.0  # of costs
     sizes: Array = field(init=False)  # of constraints

@@ -9,6 +9,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from lamc.run.request import Array
 
@@ -19,6 +20,11 @@ class Samples(NamedTuple):
     t: Array
     y: Array
     breaks: Array
+
+
+def turned(samples: Samples) -> Samples:
+    """Those of less."""
+    return samples._replace(y=-samples.y)
 
 
 def mean(samples: Samples) -> float:
@@ -103,11 +109,9 @@ def _between(samples: Samples, i: int, moment: float) -> float:
 def _cubic(samples: Samples, i: int) -> tuple[float, float, float, float] | None:
     """Coefficients c of c[0] x³ + c[1] x² + c[2] x + c[3], x = t - t[i], through the four rows about i and i + 1; None
     where there is none."""
-    t, y, breaks = samples
-    if len(t) < 4:
-        return None
-    first = min(max(i - 1, 0), len(t) - 4)
-    if ((breaks >= t[first]) & (breaks <= t[first + 3])).any():
+    t, y, _ = samples
+    first = _first_of_cubic(samples, i)
+    if first is None:
         return None
     x = [float(each - t[i]) for each in t[first : first + 4]]
     d = [float(each) for each in y[first : first + 4]]
@@ -120,6 +124,21 @@ def _cubic(samples: Samples, i: int) -> tuple[float, float, float, float] | None
         for n in range(len(c) - 1, 0, -1):
             c[n] -= x[k] * c[n - 1]
     return c[0], c[1], c[2], c[3]
+
+
+def _first_of_cubic(samples: Samples, i: int) -> int | None:
+    """The first of the four rows about i and i + 1; None where a break lies among them, or there are fewer."""
+    t, _, breaks = samples
+    if len(t) < 4:
+        return None
+    first = min(max(i - 1, 0), len(t) - 4)
+    return None if ((breaks >= t[first]) & (breaks <= t[first + 3])).any() else first
+
+
+def stencil(samples: Samples, i: int) -> npt.NDArray[np.intp]:
+    """The rows that what lies between rows i and i + 1 goes through."""
+    first = _first_of_cubic(samples, i)
+    return np.arange(i, i + 2) if first is None else np.arange(first, first + 4)
 
 
 def _polynomial(c: tuple[float, float, float, float], x: float) -> float:

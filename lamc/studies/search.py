@@ -21,6 +21,7 @@ from lamc.records.parameters import DesignParameter
 from lamc.run.parameters import checked_parameters
 from lamc.studies.bench import Bench, Row, RunOptions, Subject
 from lamc.studies.crew import Hands
+from lamc.studies.derivatives import MANY
 from lamc.studies.goals import Constraint, Goal, constraints_of, goal_of
 from lamc.studies.identity import digest_of
 from lamc.studies.making import AS_EVER, SceneGiven, named_scene
@@ -74,7 +75,7 @@ class Search:
         hands = Hands(trier, trier.width, workers, alone)
         with self._store(folder, resume) as (known, keep), quietly(), hands:
             problem = Problem(self.space, self.goals, self.constraints, trier.row, self.max_runs, hands.crew)
-            problem.known, problem.keep = known, keep
+            problem.known, problem.keep, problem.slopes_at = known, keep, trier.slopes
             if progress is not None:
                 problem.told = lambda of: progress(len(of.trials), of.most)
             found = self.strategy.best(problem, self.space.places(self.start), trier)
@@ -292,7 +293,9 @@ def _method(method: object, search: Search) -> str:
         raise RequestError("nsga2 finds the front of several goals, and there is one; take another method")
     has_levels = len(search.space.real) < len(search.space.variables)
     if method == "auto":
-        return default_method(search.goals[0], has_levels=has_levels, is_subject=bool(search.constraints))
+        is_many = len(search.space.real) > MANY
+        is_subject = bool(search.constraints)
+        return default_method(search.goals[0], has_levels=has_levels, is_subject=is_subject or is_many)
     if has_levels and not METHODS[method]:
         raise RequestError(f"{method} takes no whole numbers and choices; take evolution, or cma-es")
     if method == "least-squares" and search.constraints:

@@ -10,12 +10,13 @@ from functools import partial
 import numpy as np
 
 from lamc.run.request import Array
+from lamc.studies.derivatives import MANY
 from lamc.studies.goals import Goal
 from lamc.studies.optimum import Best, active_of, curvature_of, known_of, moves_of
 from lamc.studies.problem import Problem, SpentError, Trial
 from lamc.studies.refinement import Optimum, refined
 from lamc.studies.trier import Trier
-from lamc.studies.verdict import Verdict, verdict_of
+from lamc.studies.verdict import Verdict, verdict_of, verdict_of_many
 
 METHODS: Mapping[str, bool] = {  # whether it takes whole numbers and choices
     "least-squares": False,
@@ -33,7 +34,8 @@ _SAME = 5e-3  # of a range: ends of two starts that are one optimum, as methods 
 
 
 def default_method(goal: Goal, *, has_levels: bool, is_subject: bool) -> str:
-    """The method for a goal."""
+    """The method for a goal. is_subject: whether squares are of no use: there are constraints, or more numbers than
+    Jacobians of residuals, which take a run for each, can be had for."""
     if has_levels:
         return "evolution"
     return "least-squares" if (goal.is_squares or goal.function is not None) and not is_subject else "slsqp"
@@ -190,7 +192,8 @@ class _Walk:
             return start
         method = self.strategy.method
         if METHODS[method]:
-            method = default_method(problem.goal, has_levels=False, is_subject=bool(problem.constraints))
+            is_subject = bool(problem.constraints) or len(problem.space.real) > MANY
+            method = default_method(problem.goal, has_levels=False, is_subject=is_subject)
         ways = {
             "least-squares": local.least_squares,
             "slsqp": local.slsqp,
@@ -204,6 +207,9 @@ class _Walk:
         from lamc.studies.optimisers.local import nelder_mead
 
         problem = self.problem
+        if len(problem.space.real) > MANY:
+            self.optimum, self.verdict = None, verdict_of_many(problem, at)
+            return
         problem.stage = "last digits"
         optimum = refined(problem, at)
         if not optimum.is_settled and len(problem.space.real):
@@ -215,9 +221,8 @@ class _Walk:
         self.optimum, self.verdict = optimum, verdict_of(problem, optimum)
 
     def _say_how_many(self, ends: list[Array]) -> None:
-        assert self.optimum is not None
         assert self.verdict is not None
-        if len(ends) < 2 or self.verdict.lower is not None:
+        if self.optimum is None or len(ends) < 2 or self.verdict.lower is not None:
             return
         near = sum(bool(np.max(np.abs(end - self.optimum.places)) <= _SAME) for end in ends)
         told = f"{self.verdict.message}; {near} of {len(ends)} starts came to it"

@@ -15,6 +15,7 @@ from lamc.run.request import Array, Status
 from lamc.run.result import Result
 from lamc.studies.bench import ERROR, FAILED, OK, REFUSED, UNDEFINED, Bench, Row, Subject, without_values
 from lamc.studies.goals import Constraint, Goal
+from lamc.studies.gradient import gradient
 from lamc.studies.space import Space
 from lamc.studies.targets import Made, made
 
@@ -63,6 +64,31 @@ class Trier:
         words, numbers = self.parted(point)
         bench = self._benches.setdefault(words, Bench(self.subjects[words]))
         return bench.result(numbers)
+
+    def slopes(self, point: tuple[float, ...]) -> Array | None:
+        """Derivatives (goals and constraints, variables) of the values of a point, by the numbers that are varied,
+        SI, from its run backwards; None where there are none, as of functions of yours, and of what is no number of
+        the model."""
+        words, numbers = self.parted(point)
+        bench = self._benches.setdefault(words, Bench(self.subjects[words]))
+        targets = self.subjects[words].targets
+        measures = [*(goal.measure for goal in self.goals), *(each.measure for each in self.constraints)]
+        if any(target.kind == "option" for target in targets):
+            return None
+        found = np.zeros((len(measures), len(self.space.variables)))
+        names, given = [target.name for target in targets], self.space.numbers(point)
+        columns = [k for k, each in enumerate(self.space.variables) if not each.has_words]
+        try:
+            result = bench.result(numbers, taped=True)
+            for row, measure in zip(found, measures, strict=True):
+                if measure is None or measure.function is not None:
+                    return None
+                row[columns] = list(gradient(result, measure, names, given).values())
+        except BuildError:
+            raise
+        except LamcError:
+            return None
+        return found if np.isfinite(found).all() else None
 
     def design(self, point: tuple[float, ...]) -> Made:
         """The design of a point."""

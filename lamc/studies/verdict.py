@@ -10,11 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.run.request import Array
+from lamc.studies.derivatives import gradients
 from lamc.studies.problem import FEASIBLE, Problem, Trial
 from lamc.studies.refinement import SETTLED, Optimum
 
 _STEPS = (1e-6, 1e-4, 1e-3, 1e-2)  # of a range
 _ROUGH = 1e-9  # of the size of costs: what values are taken to be known to where slopes tell nothing
+_FLAT = 1e-4  # of the size of costs over a range: slopes at which methods end whose last step gains 1e-12 of it or so
+_NEAR = 1e-5  # of a range, or of a constraint's size: what is nearer to its bound is held by it
 _MOST_LEVELS = 12  # of a choice that are tried
 
 
@@ -49,6 +52,29 @@ def verdict_of(problem: Problem, optimum: Optimum) -> Verdict:
     if not len(problem.space.real):
         return Verdict(True, "no other level of one parameter alone gives less")
     return _of_reals(problem, optimum, [trial for _, trial in beside])
+
+
+def verdict_of_many(problem: Problem, places: Array) -> Verdict:
+    """Of more numbers than second derivatives can be had for: whether slopes vanish along all that is free."""
+    middle = problem.at(places)
+    if not problem.is_feasible(middle):
+        return Verdict(
+            False, f"no point was found that keeps to the constraints: {_violated(problem, middle)}"
+        )
+    edges = problem.space.real
+    gradient, rows = gradients(problem, places, edges)
+    values, at = problem.violations(middle), places[edges]
+    holding = [k for k, c in enumerate(problem.constraints) if c.is_equal or values[k] >= -_NEAR]
+    sides = np.where(at <= _NEAR, -1.0, np.where(at >= 1.0 - _NEAR, 1.0, 0.0))
+    free = sides == 0.0
+    forces = np.linalg.lstsq(rows[np.ix_(holding, free)].T, -gradient[free], rcond=None)[0]
+    pull = gradient + rows[holding].T @ forces
+    left = np.where(free | (pull * sides > 0.0), np.abs(pull), 0.0)
+    most = float(np.max(left, initial=0.0))
+    told = f"slopes along what is free are {most:.1g} of the value's size over a range at most"
+    if most <= _FLAT:
+        return Verdict(True, f"{told}; whether the value bends upwards is not looked at for so many numbers")
+    return Verdict(False, f"{told}, which is more than {_FLAT:g}: grant more runs, or begin nearer")
 
 
 def _of_reals(problem: Problem, optimum: Optimum, beside: list[Trial]) -> Verdict:

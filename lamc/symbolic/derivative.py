@@ -48,10 +48,14 @@ def derivative(value: Scalar, speeds: Mapping[Value, Scalar]) -> Scalar:
 
 
 def _node(store: Store, index: int, moving: Mapping[int, Scalar]) -> Scalar:
-    operation, arguments = store.operations[index], store.arguments[index]
-    if operation in LEAVES:
+    if store.operations[index] in LEAVES:
         return 0
-    speeds = [moving[i] for i in arguments]
+    return slope_of_node(store, index, [moving[i] for i in store.arguments[index]])
+
+
+def slope_of_node(store: Store, index: int, speeds: Sequence[Scalar]) -> Scalar:
+    """The speed of a node, which is no leaf, whose arguments move at theirs."""
+    operation, arguments = store.operations[index], store.arguments[index]
     if all(not isinstance(s, Value) and s == 0 for s in speeds):
         return 0
     values = [store.scalar(i) for i in arguments]

@@ -29,6 +29,7 @@ class Space(Enum):
     TIME = "t"  # s
     ACCELERATION = "a"  # derivatives of the rates
     MULTIPLIER = "l"  # forces of the closure equations
+    WEIGHT = "w"  # of values whose weighted sum is differentiated
     # of a finite element; units in `lamc/plate/elements/`
     CORNER = "xy"  # coordinates of the corners, x and y of one after the other, m
     SECTION = "s"  # unique entries of the section's stiffness
@@ -209,6 +210,17 @@ class Program:
       "sample_tangents"   beside it, with clocks: t, q, u → derivatives (held, nq + nu + k + held) of what they sample,
                       by q, u, columns and what is held; by that "tangents" and "guard_tangents" have columns then, too
       "guard_tangents"    beside it, with guards: t, q, u → derivatives (guards, nq + nu + 1 + k) by q, u, t and columns
+      "motion_pullback"   where it is asked for: t, q, u, u̇, λ, weights of u̇ (nu), or of the residuals as in "jacobian",
+                      less, then of q̇ (nq) where there is "rates" → derivatives of the weighted sum by q, u and sources:
+                      values by parameters only, and what clocks hold
+      "closure_pullback"  beside it, with loops: q, u, weights of φ (m) and of J u (m) → the same
+      "guard_pullback"    beside it, with guards: t, q, u, weights of the guards → derivatives by q, u, t and sources
+      "sample_pullback"   beside it, with clocks: t, q, u, weights of their periods and of samples → by q, u and sources
+      "impact_pullback"   beside it, with impacts: t, q, u, weights of restitutions (guards) and of derivatives of the
+                      guards' rates by u (guards, nu), 1, z (nu), x (nu), μ (m), η (m), of -zᵀMx + μJz + ηJx →
+                      derivatives by q, u, t and sources
+      "pose_pullback", "energy_pullback"  beside it: t, q, u, weights of poses, of energies → by q, u and sources
+      "setup_pullback"    beside it: weights of the sources → derivatives by parameters, then by `geometry`
       "samples"       where there are clocks: t, q, u → their periods, s, then samples of what they hold
       "power"         where it is asked for: t, q, u, u̇ → power of each of `powers`, W
       "poses"         t, q → per moving body centre of mass (3, m) and rotation matrix (9, row by row, body axes
@@ -236,6 +248,7 @@ class Program:
     series: tuple[SeriesInput, ...] = ()  # theirs are the first constants, four for each
     powers: tuple[str, ...] = ()  # names of the effects, in the order of "power"
     columns: tuple[str, ...] = ()  # k parameters and dimensions, in the order of the columns of "tangents"
+    source_count: int = 0  # sources by which the pullbacks differentiate, without what clocks hold
     jacobian_cost: float = 0.0  # operations of "jacobian" over those of an acceleration
     tables: "Mapping[int, Piecewise]" = field(
         default_factory=lambda: MappingProxyType({})

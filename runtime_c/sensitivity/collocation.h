@@ -9,14 +9,6 @@
 
 #include "replay.h"
 
-enum { RADAU_NODES = 3 };
-
-static const lamc_real RADAU_NODE[RADAU_NODES] = {0.15505102572168222, 0.6449489742783178, 1.0};
-static const lamc_real RADAU_WEIGHT[RADAU_NODES][RADAU_NODES] = {
-    {0.19681547722366044, -0.06553542585019839, 0.023770974348220152},
-    {0.39442431473908727, 0.29207341166522843, -0.04154875212599793},
-    {0.37640306270046725, 0.51248582618842164, 0.11111111111111111}};
-
 /* Columns of [f_p, f_y], f_p for all columns of S, and numbers of scratch: those at a node, S for them, and the matrix with its right-hand sides */
 static inline int lamc_collocation_width(int n, int k) {
   return lamc_columns_width(n + k);

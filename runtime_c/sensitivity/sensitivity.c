@@ -53,7 +53,10 @@ static void follow(lamc_sensitivity *s) {
   int is_known = 1;
   if (lamc_is_replayed(run->method)) {
     lamc_replay(s, r.argument, r.y);
-    if (replay_error(s) > LAMC_S_PER_RTOL * run->options.rtol) lamc_follow_finely(s, r.fine, r.argument);
+    if (replay_error(s) > LAMC_S_PER_RTOL * run->options.rtol) {
+      lamc_follow_finely(s, r.fine, r.argument);
+      lamc_replay_end(s, r.y); /* the next step begins with the slope of this S */
+    }
   } else {
     is_known = lamc_collocate(s, r.collocation, r.argument);
   }

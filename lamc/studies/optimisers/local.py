@@ -12,11 +12,12 @@ import numpy as np
 from scipy import optimize
 
 from lamc.run.request import Array
-from lamc.studies.derivatives import gradients, jacobian
+from lamc.studies.derivatives import MANY, gradients, jacobian
 from lamc.studies.problem import Problem, Trial
 from lamc.studies.space import Edges
 
 _MOST = 100  # steps of one call
+_MOST_OF_MANY = 1000  # the same, of many numbers, whose slopes cost a run and its way back
 _BETTER = 1e-12  # of the size of costs: what counts as gain
 _IN_VAIN = 40  # runs without gain after which a method ends, for each parameter and one more
 
@@ -66,7 +67,8 @@ def least_squares(problem: Problem, start: Array) -> Array:
 
 def slsqp(problem: Problem, start: Array) -> Array:
     """Sequential quadratic programming (Kraft 1988)."""
-    return _by_gradients(problem, start, "SLSQP", {"ftol": _BETTER, "maxiter": _MOST})
+    most = _MOST if len(problem.space.real) <= MANY else _MOST_OF_MANY
+    return _by_gradients(problem, start, "SLSQP", {"ftol": _BETTER, "maxiter": most})
 
 
 def trust_constr(problem: Problem, start: Array) -> Array:

@@ -107,15 +107,16 @@ def sources_of(
 
 
 def branch_sources(
-    program: "Program", equations: "Equations", times: Times, *, precision: str
+    before: "tuple[Program, SourceTree]", equations: "Equations", times: Times, *, precision: str
 ) -> "tuple[Program, SourceTree]":
-    """emit, of equations whose loops have another rank than those that `program` was lowered from."""
+    """emit, of equations whose loops have another rank than those that the program `before` was lowered from."""
     from lamc.codegen.emit import emit
     from lamc.mechanics.lower import on_branch
 
     with times.stage("emit"):
+        program, tree = before
         taken = on_branch(program, equations)
-        return taken, emit(taken, precision)
+        return taken, emit(taken, precision, like=tree)
 
 
 @dataclass(frozen=True)
@@ -192,7 +193,7 @@ def _compiled(
     @remembered
     def sources(extras: Extras) -> "tuple[Program, SourceTree]":
         if before is not None and extras == PLAIN:
-            return branch_sources(before.sources(extras)[0], equations(), times, precision=options.precision)
+            return branch_sources(before.sources(extras), equations(), times, precision=options.precision)
         return sources_of(
             equations(),
             times,

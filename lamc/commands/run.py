@@ -29,7 +29,6 @@ from lamc.commands.inputs import (
 from lamc.commands.pairs import share_of
 from lamc.commands.quick_imports import quick_imports
 from lamc.commands.run_folder import MANIFEST, own_manifest, run_folder
-from lamc.commands.run_length import Length, length_of
 from lamc.commands.terminal import INTERRUPTED, Progress, Terminal, plain
 from lamc.effects.registry import Choice
 from lamc.pipeline import compile as compile_design
@@ -40,6 +39,7 @@ from lamc.report.loops_text import loops_data
 from lamc.report.parameters_text import parameters_data
 from lamc.report.run_text import RunReport, energy_drift, summary
 from lamc.run.files import energy_balance_data, write_csv, write_npz
+from lamc.run.length import Length, length_of
 from lamc.run.outputs import outputs_of
 from lamc.run.request import Status
 from lamc.run.result import Result

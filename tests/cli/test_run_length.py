@@ -10,6 +10,7 @@ from lamc.cli import main
 from lamc.run import defaults
 from lamc.run.defaults import MAX_STEPS, default_steps
 from tests.support.ctools import needs_cc
+from tests.support.fold_corpus import miura, write
 
 pytestmark = needs_cc
 
@@ -40,7 +41,7 @@ def test_a_run_without_a_length_ends_after_so_much_work_and_says_so() -> None:
     assert manifest["stats"]["steps"] == 25  # type: ignore[index]
     (note,) = [note for note in manifest["notes"] if "nobody says" in note]  # type: ignore[attr-defined]
     assert "25 steps of 3 hinges with 3 freedoms" in note
-    assert "--t-end 10 runs to there" in note
+    assert "--t-end 10, or a duration in its scene, runs to there" in note
 
 
 @pytest.mark.usefixtures("little_work")
@@ -61,6 +62,18 @@ def test_steps_that_are_given_are_the_users_own_limit() -> None:
 
 def test_small_mechanisms_run_for_as_many_steps_as_ever() -> None:
     assert default_steps(3, 3, has_loops=False) == MAX_STEPS == 1_000_000
-    assert default_steps(40, 40, has_loops=False) > 200_000
-    assert default_steps(12, 1, has_loops=True) > 100_000  # a hundred seconds at steps of 1 ms
+    assert default_steps(40, 40, has_loops=False) > 100_000
+    assert default_steps(12, 1, has_loops=True) > 50_000  # of a millisecond or more
     assert default_steps(736, 61, has_loops=True) < 200
+
+
+@pytest.mark.usefixtures("little_work")
+def test_frames_of_a_motion_end_there_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of an export that nobody gives a length."""
+    monkeypatch.setattr(defaults, "_MOST_WORK", 1)
+    write(Path("sheet.fold"), miura(2, 2))
+    made = CliRunner().invoke(main, ["export", "sheet.fold", "--to", "fold", "--out", "f"])
+    assert made.exit_code == 0, made.output
+    assert "nobody says how long" in made.output
+    (file,) = Path("f").glob("*.fold")
+    assert len(json.loads(file.read_text(encoding="utf-8"))["file_frames"]) == 2

@@ -1,4 +1,4 @@
-"""How long `lamc run` runs: what was asked for, or, where nobody says, 10 s as far as counted work allows.
+"""How long a run of the command line is: what was asked for, or, where nobody says, 10 s as far as counted work allows.
 
 In: what was asked for, a simulator. Out: an end, a number of steps, and a remark where these ended the run. Never:
 looks at a clock, so that a run ends alike on every machine.
@@ -33,13 +33,13 @@ class Length:
         return (
             f"nobody says how long it is to run, and {self.steps} steps of {len(simulator.joints)} hinges with "
             f"{simulator.freedoms} freedoms are as much work as a run does by itself: it ends before "
-            f"{self.t_end:g} s; --t-end {self.t_end:g} runs to there however long that takes, and a looser --rtol "
-            "takes longer steps"
+            f"{self.t_end:g} s; --t-end {self.t_end:g}, or a duration in its scene, runs to there however long that "
+            "takes, and a looser --rtol takes longer steps"
         )
 
 
 def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) -> Length:
-    """The length of a run that was asked for by --t-end and --max-steps, if it was."""
+    """The length of a run, s and steps; None: not asked for."""
     duration = simulator.scene.duration
     end = duration or DURATION if t_end is None else t_end
     if max_steps is not None:

@@ -67,6 +67,7 @@ def ended(verb: str, file: Path, limit: float, folder: Path) -> tuple[float, str
         command = [sys.executable, "-m", "lamc", *VERBS[verb](file, out)]
         own = {**os.environ, "HOME": home, "XDG_CACHE_HOME": home, "LAMC_CACHE_DIR": f"{home}/cache"}
         own["OPENBLAS_NUM_THREADS"] = "1"
+        own["MPLCONFIGDIR"] = str(folder / "fonts")  # its list of fonts, which is made once, is not lamc's
         begun = _processor_time()
         try:
             done = subprocess.run(command, capture_output=True, text=True, env=own, timeout=8.0 * limit)

@@ -7,8 +7,8 @@ it, and the last mechanism's tree, which follows from it alone.
 """
 
 import logging
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,12 +23,8 @@ from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import find_compiler, find_machine_compiler
 from lamc.design.split import split
 from lamc.effects.registry import choose
-from lamc.loops.at_start import loops_of
-from lamc.loops.kept import kept_loops
-from lamc.loops.rank import LoopCount, count_loops
-from lamc.loops.surveys import LARGE
+from lamc.loops.rank import LoopCount
 from lamc.loops.work import check_work
-from lamc.loops.yielding import rigid_scene
 from lamc.mechanics.arrangement import Arrangement
 from lamc.mechanics.arranging import arrange
 from lamc.mechanics.survey import Survey, can_survey, survey_design
@@ -40,8 +36,7 @@ from lamc.records.inputs import NO_INPUTS, Input
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.records.scene_values import with_values
-from lamc.run.arguments import check_names
-from lamc.run.input_digest import common_digest, input_digest, loops_digest
+from lamc.run.input_digest import common_digest, input_digest
 from lamc.run.kept_programs import (
     PLAIN,
     Extras,
@@ -57,6 +52,7 @@ from lamc.run.kept_programs import (
 )
 from lamc.run.model import DesignNumbers
 from lamc.run.remaking import Recipe
+from lamc.run.scene_loops import loops_of_scene
 from lamc.run.scene_numbers import scene_numbers, scene_program
 from lamc.run.simulator import Simulator
 from lamc.symbolic.staging import DrawnKey
@@ -112,6 +108,27 @@ def sources_of(
         return program, emit(program, precision)
 
 
+def branch_sources(
+    before: "tuple[Program, SourceTree]", equations: "Equations", times: Times, *, precision: str
+) -> "tuple[Program, SourceTree]":
+    """emit, of equations whose loops have another rank than those that the program `before` was lowered from."""
+    from lamc.codegen.emit import emit
+    from lamc.mechanics.lower import on_branch
+
+    with times.stage("emit"):
+        program, tree = before
+        taken = on_branch(program, equations)
+        return taken, emit(taken, precision, like=tree)
+
+
+@dataclass(frozen=True)
+class _Stages:
+    """Equations and sources of a scene, made when they are asked for."""
+
+    equations: "Callable[[], Equations]"
+    sources: "Callable[[Extras], tuple[Program, SourceTree]]"
+
+
 def compile(  # noqa: A001  the public name is lamc.compile
     design: Design | Mechanism,
     scene: Scene | None = None,
@@ -152,8 +169,10 @@ def _compiled(
     times: Times,
     cache: Cache,
     loops: LoopCount | None = None,
+    before: "_Stages | None" = None,
 ) -> Simulator:
-    """loops: what the mechanism's loops come to; None: counted, if it has any."""
+    """loops: what the mechanism's loops come to; None: counted, if it has any. before: the stages of the same scene
+    with loops of another rank."""
     check_work(mechanism, large=options.large)
     effects = effects_of(mechanism, scene)
 
@@ -164,7 +183,7 @@ def _compiled(
     common = None if cache.passing else common_digest(mechanism, effects)
     if loops is None and len(mechanism.joints) > sum(not body.fixed for body in mechanism.bodies):
         with times.stage("plan"):
-            loops = _loops_of(mechanism, arranged(), effects, scene, cache, common)
+            loops = loops_of_scene(mechanism, arranged(), effects, scene, cache, common)
     compiler = cache.once(
         ("compiler", options.compiler, options.flags),
         lambda: find_compiler(options.compiler, flags=options.flags),
@@ -172,10 +191,14 @@ def _compiled(
 
     @remembered
     def equations() -> "Equations":
+        if before is not None and loops is not None:
+            return before.equations().on_branch(loops)
         return equations_of(mechanism, effects, times, loops, scene.inputs)
 
     @remembered
     def sources(extras: Extras) -> "tuple[Program, SourceTree]":
+        if before is not None and extras == PLAIN:
+            return branch_sources(before.sources(extras), equations(), times, precision=options.precision)
         return sources_of(
             equations(),
             times,
@@ -262,14 +285,22 @@ def _compiled(
         lambda columns: keyed_module(Extras(columns=columns)),
         lambda: keyed_module(Extras(pullbacks=True)),
     )
-    return _on_branch(simulator, mechanism, options, times, cache)
+    stages = (
+        None if arranged().yields else _Stages(equations, sources)
+    )  # where loops yield, equations count them
+    return _on_branch(simulator, mechanism, options, times, cache, stages)
 
 
 def _on_branch(
-    simulator: Simulator, mechanism: Mechanism, options: CompileOptions, times: Times, cache: Cache
+    simulator: Simulator,
+    mechanism: Mechanism,
+    options: CompileOptions,
+    times: Times,
+    cache: Cache,
+    stages: "_Stages | None",
 ) -> Simulator:
     """The simulator with the rank of the branch that its start takes, where branches of other ranks part. Loads choose
-    the branch, and they are known only now."""
+    the branch, and they are known only now; the equations are the same."""
     if not simulator.cut_joints or simulator.loops.pushed is not None:
         return simulator
     try:
@@ -279,40 +310,7 @@ def _on_branch(
     if taken.rank == simulator.loops.rank:
         return simulator
     chosen = replace(taken, branch_ranks=(taken.rank,), pushed=number)
-    return _compiled(mechanism, simulator.scene, options, times, cache, chosen)
-
-
-def _loops_of(
-    mechanism: Mechanism,
-    arrangement: Arrangement,
-    effects: tuple[Effect, ...],
-    scene: Scene,
-    cache: Cache,
-    common: bytes | None,
-) -> LoopCount:
-    """What the loops come to that no bushing holds. Where hinges or bodies yield, rigid loops may leave no freedom."""
-    known = (*arrangement.tree.joint_names, *(joint.name for joint in mechanism.joints))
-    check_names(scene, tuple(dict.fromkeys(known)))
-
-    def count() -> LoopCount:
-        if arrangement.compliant or arrangement.flexible:
-            return count_loops(arrangement.tree, scene.closure_tolerance)
-        full, held = plan(mechanism), arrangement.tree
-        found = loops_of(held, rigid_scene(full, held, scene))
-        # Equations are written alike for all starts of one rank, as for the design's own, so that other angles compile
-        # nothing anew. Not with a misfit: what equations that are not taken leave open is least where they are chosen.
-        own = replace(scene, angles=mechanism.scene.angles if mechanism.scene else {}, rates={}, branch=None)
-        if scene.angles == own.angles or found.accepted_gap or len(mechanism.joints) > LARGE:
-            return found
-        alias = None if common is None else loops_digest(mechanism, effects, own, common=common)
-        try:
-            usual = kept_loops(alias, cache, lambda: loops_of(held, rigid_scene(full, held, own)))
-        except DesignError:
-            return found
-        return replace(found, position=usual.position) if usual.rank == found.rank else found
-
-    alias = None if common is None else loops_digest(mechanism, effects, scene, common=common)
-    return kept_loops(alias, cache, count)
+    return _compiled(mechanism, simulator.scene, options, times, cache, chosen, stages)
 
 
 def _check_arguments(design: object, scene: object, options: object, times: object) -> None:

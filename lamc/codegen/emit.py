@@ -6,11 +6,12 @@ cffi reads, taken from those same headers. The same program gives the same bytes
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import jinja2
 
@@ -57,6 +58,7 @@ class SourceTree:
     kind: str = "model"  # of lamc_model, lamc_element: what the library offers
     beside: tuple[str, ...] = ()  # units compiled beside the model's own
     machine: tuple[str, ...] = ()  # the same, for this very machine; none: all is for any of its kind
+    functions: tuple[object, ...] = field(default=(), repr=False, compare=False)  # as they were laid out
 
 
 @dataclass(frozen=True)
@@ -89,16 +91,19 @@ def emit(
     prefix: str = "",
     number: str = "double",
     recording: Recording | None = None,
+    like: SourceTree | None = None,
 ) -> SourceTree:
     """C of `program`, accelerations in "double" or "float". Raises EmitError where an operation has no C form.
 
     prefix: of the model's names and of its files; empty: from the name of the program
     number: type of all numbers; REAL where they may become float
     recording: what its inputs follow over time; None: whoever runs it brings that
+    like: what was emitted at the same precision of a program with the same functions, which are not laid out again
     """
     runtime = _runtime()
     prefix = prefix or identifier(program.name, taken=[Path(name).stem for name in runtime])
-    context = _context(program, prefix, precision, number)
+    functions = like.functions if like is not None else _laid_out(program, precision, number)
+    context = _context(program, prefix, number, functions)
     context["recording"] = recording_context(recording, number) if recording is not None else None
     files = {
         f"{prefix}.h": environment().get_template("model.h.j2").render(context),
@@ -109,7 +114,9 @@ def emit(
     compiled = (f"{prefix}.c", *(name for name in sorted(runtime) if name.endswith(".c")))
     # Those of the model's own functions are C users' alone: what Python calls is the same for every model.
     declarations = declarations_of(runtime["lamc_real.h"] + runtime["lamc.h"])
-    return SourceTree(prefix, MappingProxyType(files), compiled, declarations, tuple(sorted(runtime)))
+    return SourceTree(
+        prefix, MappingProxyType(files), compiled, declarations, tuple(sorted(runtime)), functions=functions
+    )
 
 
 def without_numbers(text: str) -> str:
@@ -143,9 +150,24 @@ def environment() -> jinja2.Environment:
     )
 
 
-def _context(program: Program, prefix: str, precision: str, number: str) -> dict[str, object]:
+def _fields(program: Program) -> list[str]:
+    """Of the struct of parameters, in C: a name each, then places of the numbers of the drawing."""
     names = identifiers([p.name for p in program.parameters], taken=[GEOMETRY])
-    fields = [*names, *(f"{GEOMETRY}[{place}]" for place in range(len(program.geometry)))]
+    return [*names, *(f"{GEOMETRY}[{place}]" for place in range(len(program.geometry)))]
+
+
+def _laid_out(program: Program, precision: str, number: str) -> tuple[Any, ...]:
+    fields = _fields(program)
+    printer, single = ShapePrinter(own_trig=True, number=number), ShapePrinter(single=True)
+    return tuple(
+        arrange(f, single, fields, "float")
+        if precision == "float" and f.name in _AT_PRECISION
+        else arrange(f, printer, fields, number)
+        for f in program.functions.values()
+    )
+
+
+def _context(program: Program, prefix: str, number: str, functions: Sequence[Any]) -> dict[str, object]:
     parameters = [
         CParameter(
             f,
@@ -155,14 +177,7 @@ def _context(program: Program, prefix: str, precision: str, number: str) -> dict
             comment(p.meaning),
             literal(p.default, number),
         )
-        for f, p in zip(names, program.parameters, strict=True)
-    ]
-    printer, single = ShapePrinter(own_trig=True, number=number), ShapePrinter(single=True)
-    functions = [
-        arrange(f, single, fields, "float")
-        if precision == "float" and f.name in _AT_PRECISION
-        else arrange(f, printer, fields, number)
-        for f in program.functions.values()
+        for f, p in zip(_fields(program), program.parameters, strict=False)
     ]
     return {
         "version": __version__,

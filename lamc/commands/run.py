@@ -5,7 +5,7 @@ interrupted or failed.
 """
 
 import json
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +38,8 @@ from lamc.report.look import FORMATS, Look
 from lamc.report.loops_text import loops_data
 from lamc.report.parameters_text import parameters_data
 from lamc.report.run_text import RunReport, energy_drift, summary
-from lamc.run.defaults import DURATION, default_rows
 from lamc.run.files import energy_balance_data, write_csv, write_npz
+from lamc.run.length import Length, length_of
 from lamc.run.outputs import outputs_of
 from lamc.run.request import Status
 from lamc.run.result import Result
@@ -60,13 +60,13 @@ class RunOrder:
 
     source: Source
     changes: SceneChanges
-    t_end: float | None  # s; None: the scene's duration, or `DURATION`
+    t_end: float | None  # s; None: see `length_of`
     accuracy: str | None  # 1e-3 or "0.1 %"; None: rtol and atol say
     rtol: float | None
     atol: float | None
     integrator: str
-    points: int | None  # rows; 0: one after every step; None: `default_rows`
-    max_steps: int
+    points: int | None  # rows; 0: one after every step; None: `Length.rows`
+    max_steps: int | None  # None: see `length_of`
     film: bool
     pictures: bool
     look: Look
@@ -86,18 +86,18 @@ def run(order: RunOrder, terminal: Terminal) -> int:
         with output_folder(out, loaded.name) as folder:
             mechanism = mechanism_of(loaded, times, progress)
             scene, account = changed_scene(mechanism, order.changes)
-            if order.t_end is None:
-                order = replace(order, t_end=scene.duration or DURATION)
             simulator = compile_design(mechanism, scene, order.source.options, times)
+            length = length_of(order.t_end, order.max_steps, simulator)
             _check_points(order.points, len(simulator.start))
             parameters = of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters))
             with times.stage("run"):
-                result = _simulate(order, simulator, dict(parameters), progress)
-            report = _report(loaded, simulator, result, account, times, order.changes.scene, remark)
+                result = _simulate(order, length, simulator, dict(parameters), progress)
+            enough = length.remark(simulator, result)
+            report = _report(loaded, simulator, result, account, times, order.changes.scene, remark, enough)
             files, interrupted = _write_all(order, report, folder, times, progress)
     terminal.say(summary(report, folder, files, verbose=order.verbose))
     terminal.result(_data(report) | {"folder": str(folder), "files": files})
-    return _ending(result, folder, terminal, interrupted=interrupted)
+    return _ending(result, folder, terminal, interrupted=interrupted, is_enough=bool(enough))
 
 
 def _check_points(points: int | None, size: int) -> None:
@@ -113,35 +113,34 @@ def _check_points(points: int | None, size: int) -> None:
         )
 
 
-def _ending(result: Result, folder: Path, terminal: Terminal, *, interrupted: bool) -> int:
-    """The exit code, and a word on stderr where it is not 0."""
+def _ending(result: Result, folder: Path, terminal: Terminal, *, interrupted: bool, is_enough: bool) -> int:
+    """The exit code, and a word on stderr where it is not 0. is_enough: it ended where it was to, if not at its end."""
     if result.status == Status.CANCELLED:
         terminal.error(f"{result.message}; see {folder}")
         return INTERRUPTED
     if interrupted:
         terminal.error(f"interrupted while results were written; see {folder}")
         return INTERRUPTED
-    if not result.success:
+    if not result.success and not is_enough:
         terminal.error(f"{result.message}; what was computed until then is in {folder}")
         return SimulationError.exit_code
     return 0
 
 
 def _simulate(
-    order: RunOrder, simulator: Simulator, parameters: dict[str, float], progress: Progress
+    order: RunOrder, length: Length, simulator: Simulator, parameters: dict[str, float], progress: Progress
 ) -> Result:
-    assert order.t_end is not None
-    points = default_rows(order.t_end, len(simulator.start)) if order.points is None else order.points
-    spread = points and np.isfinite(order.t_end) and order.t_end > 0.0
+    points = length.rows(len(simulator.start)) if order.points is None else order.points
+    spread = points and np.isfinite(length.t_end) and length.t_end > 0.0
     return simulator.run(
-        t_end=order.t_end,
+        t_end=length.t_end,
         rtol=order.rtol,
         atol=order.atol,
         accuracy=None if order.accuracy is None else share_of(order.accuracy, "--accuracy"),
-        t_eval=np.linspace(0.0, order.t_end, points) if spread else None,
+        t_eval=np.linspace(0.0, length.t_end, points) if spread else None,
         integrator=order.integrator,
         parameters=parameters,
-        max_steps=order.max_steps,
+        max_steps=length.steps,
         progress=progress.part,
         energy_balance=order.energy_balance,
     )
@@ -155,6 +154,7 @@ def _report(
     times: Times,
     scene: str | None,
     remark: str,
+    enough: str,
 ) -> RunReport:
     conservative = all(conserves(c.effect, result.energies) for c in account if c.effect is not None)
     return RunReport(
@@ -168,6 +168,7 @@ def _report(
         drift=energy_drift(result) if conservative else None,
         scene=scene,
         remarks=(remark,) if remark else (),
+        enough=enough,
         dimensions=told(loaded.record),
         given=given(loaded.record),
     )
@@ -227,7 +228,7 @@ def _data(report: RunReport) -> dict[str, Any]:
     """The report as plain data: the manifest, and the answer to --json."""
     result, mechanism, simulator = report.result, report.simulator.mechanism, report.simulator
     return {
-        "ok": result.success,
+        "ok": result.success or bool(report.enough),
         "design": mechanism.name,
         "lamc_version": __version__,
         "source": report.source,

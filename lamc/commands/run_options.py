@@ -46,7 +46,10 @@ if TYPE_CHECKING:
     help=f"{SHOWN}, or scipy:LSODA, ...",
 )
 @click.option(
-    "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."
+    "--max-steps",
+    type=int,
+    metavar="N",
+    help="Steps after which a run gives up.  [default: 1000000; fewer of large mechanisms without a --t-end]",
 )
 @settings
 @staged()
@@ -79,7 +82,7 @@ def run(
     rtol: float | None,
     atol: float | None,
     integrator: str,
-    max_steps: int,
+    max_steps: int | None,
     energy_balance: bool,
     film: bool,
     no_animation: bool,

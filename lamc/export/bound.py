@@ -107,7 +107,7 @@ class _Sizes:
     def _found(self) -> int:
         """Rows that wait are looked at once in each round, each freed of all steps."""
         row = sum(2 * (self.n - k) - 1 for k in range(self.rank))
-        return ROUNDS * (self.m * row + 1) + self.rank
+        return ROUNDS * (self.m * row + 1) + 2 * self.rank
 
     def _most(self, counted: Callable[[int], int]) -> int:
         """Of `counted` by the number of equations that are taken: at a singular position it is below the rank."""

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from lamc.basics._version import __version__
-from lamc.basics.errors import UnsupportedError
+from lamc.basics.errors import UnsupportedError, warn
 from lamc.codegen.names import identifier
 from lamc.export.creased import CreasedSheet
 from lamc.export.options import ExportOptions
@@ -21,11 +21,11 @@ from lamc.pipeline import compile as compile_design
 from lamc.readers.fold_own import BODIES, CARD, FIXED, HINGES
 from lamc.records.mechanism import Joint, Mechanism
 from lamc.records.scene import Scene
+from lamc.run.length import length_of
 from lamc.run.result import Result
 
 FRAMES = 61  # of a motion, of small sheets
 MOST = 200_000  # numbers in all frames: half of what `lamc.load` reads by default
-DURATION = 10.0  # s, of a scene that says none
 _NEAR = 1e-9  # of the size: corners that are one
 _SAME = 1e-9  # of masses and inertias: what is read back is the same device
 
@@ -43,9 +43,12 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     Raises UnsupportedError for what FOLD cannot hold, unless options.lossy, and as `compile` and `run` do.
     """
     _Sheet(mechanism, lossy=options.lossy)  # what cannot be is told before it runs
-    result = compile_design(mechanism, scene).run(
-        t_end=scene.duration or DURATION, t_eval=np.linspace(0.0, scene.duration or DURATION, FRAMES)
-    )
+    simulator = compile_design(mechanism, scene)
+    length = length_of(None, None, simulator)
+    even = np.linspace(0.0, length.t_end, FRAMES) if length.rows(len(simulator.start)) else None
+    result = simulator.run(length.t_end, t_eval=even, max_steps=length.steps)
+    if remark := length.remark(simulator, result):
+        warn(remark)
     return result_files(result, options, scene.angles)
 
 

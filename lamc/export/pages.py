@@ -28,7 +28,7 @@ from lamc.plates.solving.solution import Solution
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
-from lamc.run.defaults import DURATION, default_rows
+from lamc.run.length import length_of
 from lamc.run.remaking import Telling
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -61,8 +61,10 @@ def show_of(record: Any, *, live: bool, label: str = "", budget: int = MOST_BYTE
 
 def _run(simulator: Simulator) -> Result:
     """A run as `lamc run` makes it."""
-    end = simulator.scene.duration or DURATION
-    return simulator.run(end, t_eval=np.linspace(0.0, end, default_rows(end, len(simulator.start))))
+    length = length_of(None, None, simulator)
+    rows = length.rows(len(simulator.start))
+    even = np.linspace(0.0, length.t_end, rows) if rows else None
+    return simulator.run(length.t_end, t_eval=even, max_steps=length.steps)
 
 
 def result_show(result: Result, *, live: bool, label: str = "", budget: int = MOST_BYTES) -> Show:

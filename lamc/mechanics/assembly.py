@@ -117,6 +117,7 @@ def assemble(
     rates = (*rates, *base.coordinate_rates) if isinstance(base, StagedFloat) else rates
     speeds: dict[Value, Scalar] = dict(zip(symbols.q, rates, strict=True)) | {symbols.time: 1}
     udot = partial(_accelerations, symbols.store, arrangement)
+    find_pattern = partial(_pattern, symbols, solved.closure)
     return Equations(
         tree=arrangement.tree,
         effects=tuple(effects),
@@ -125,7 +126,8 @@ def assemble(
         acceleration=solved.acceleration,
         problem=solved.problem,
         closure=solved.closure,
-        pattern=_pattern(symbols, solved.closure, loops),
+        pattern=find_pattern(loops),
+        find_pattern=find_pattern,
         energies=energies_of(placement, masses, symbols.u, loads),
         poses=tuple(poses_of(placement, masses.coms, arrangement)),
         loops=loops,

@@ -44,6 +44,10 @@ class Assignment:
         return f"{self.symbol} = {self.expression}"
 
 
+def _no_pattern(loops: LoopCount) -> None:
+    """Of a tree."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Equations:
     """Equations of motion of one scene.
@@ -56,6 +60,7 @@ class Equations:
                   runtime solves M u̇ = f together with the closure
     loops         how many of the closure's equations are independent
     pattern       which entries the closure's Jacobian has, and how it is eliminated; None for a tree
+    find_pattern  the pattern with another count of loops
     guards        conditions whose passing of zero is an event
     solver        how u̇ was solved for; `solver_flops` what each way costs
     arrangement   coordinates beyond the hinges; with any, M u̇ = f comes from inverse dynamics, `acceleration` is
@@ -86,6 +91,7 @@ class Equations:
     coordinate_rates: tuple[Scalar, ...] | None = None
     inputs: Mapping[str, Input] = field(default_factory=dict)
     account_for_powers: "Callable[[], Mapping[str, Scalar]]" = dict
+    find_pattern: "Callable[[LoopCount], Pattern | None]" = _no_pattern
 
     def __repr__(self) -> str:
         return (
@@ -99,6 +105,10 @@ class Equations:
         kept += (self.effects, *self.effects, self.parameters, self.arrangement, self.inputs)
         memo: dict[int, object] = {id(record): record for record in kept}
         return replace(self, **{each.name: deepcopy(getattr(self, each.name), memo) for each in fields(self)})
+
+    def on_branch(self, loops: LoopCount) -> "Equations":
+        """The same equations where loops have the rank of a branch; they are counted at one position."""
+        return replace(self, loops=loops, pattern=self.find_pattern(loops))
 
     @lazy
     def powers(self) -> Mapping[str, Scalar]:

@@ -130,6 +130,12 @@ def _last_numbers(equations: Equations) -> tuple[int, ...]:
     return tuple(equations.store.drawn_number(value, (key,)).index for key, value in numbers)
 
 
+def on_branch(program: Program, equations: Equations) -> Program:
+    """The program of `equations`, from that of the same ones before `Equations.on_branch`: functions are alike, and the
+    gap that loops may keep too; how the runtime eliminates their closure is not."""
+    return _with_digests(replace(program, rank=equations.loops.rank, pattern=equations.pattern))
+
+
 def _series_nodes(store: Store) -> list[int]:
     """Symbols of the series and of their derivatives, in the order of their constants."""
     nodes = {*store.flows, *store.flows.values()}

@@ -16,6 +16,7 @@ import numpy as np
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, Place
 from lamc.readers.fold_frames import Data, chosen_frame, meant
+from lamc.readers.fold_seams import with_seams
 from lamc.readers.inert import Limits
 from lamc.readers.json_text import parsed
 from lamc.records.mechanism import Array
@@ -110,11 +111,12 @@ class _Reader:
         vertices = self._vertices(data)
         faces = self._faces(data, len(vertices))
         edges = self._edges(data, len(vertices), faces)
-        if "faceOrders" in data or "edgeOrders" in data:
+        if data.get("faceOrders") or data.get("edgeOrders"):
             self.notes.append("the order of layers (faceOrders) is not used: facets pass through one another")
         kinds = self._kinds(data, len(edges))
         angles = self._angles(data, len(edges))
         kept = self._once(edges, kinds, angles)
+        edges, faces, kept = with_seams(vertices, edges, kinds, angles, faces, kept, self.notes)
         title = next((t for t in (data.get("frame_title"), data.get("file_title")) if isinstance(t, str)), "")
         own = {key: value for key, value in data.items() if key.startswith("lamc:")}
         return FoldFrame(

@@ -139,6 +139,12 @@ class _Sheet:
             angle = said.start_angle if said else facets.angles.get(crease.edges[0], 0.0)
             if abs(angle) > _TURNED:
                 start[joint.name] = angle
+        level = [k for k in facets.joined if frame.kinds[k] == "F"]
+        if level and not joints:
+            self.notes.append(
+                f"nothing folds: {frame.told(level)} flat (F), so that facets are one body; mark creases M, V or U, or "
+                "let facets bend along them (--facets bend)"
+            )
         name = frame.title.strip() or stem or "sheet"
         name = "".join(c for c in name if c.isprintable())[:100] or "sheet"
         flat = Mechanism(tuple(bodies), tuple(joints), name)

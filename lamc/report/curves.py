@@ -11,6 +11,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.font_manager import FontProperties
 from matplotlib.ticker import MaxNLocator
@@ -113,8 +114,10 @@ def dress(axis: Axes) -> None:
 def _draw_many(axis: Axes, t: Array, curves: Sequence[Curve]) -> None:
     colours = mpl.colormaps["viridis"]
     count = len(curves)
-    for index, curve in enumerate(curves):
-        axis.plot(t, curve.values, color=colours(index / (count - 1)), linewidth=0.8)
+    lines = np.stack([np.broadcast_to(t, (count, len(t))), [curve.values for curve in curves]], axis=2)
+    tints = colours(np.arange(count) / (count - 1))
+    axis.add_collection(LineCollection(list(lines), colors=tints, linewidths=0.8, joinstyle="round"))
+    axis.autoscale_view()
     scale = mpl.cm.ScalarMappable(norm=Normalize(1, count), cmap=colours)
     place = axis.inset_axes((1.02, 0.0, 0.02, 1.0))
     bar = axis.figure.colorbar(scale, cax=place)

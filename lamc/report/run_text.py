@@ -47,13 +47,14 @@ class RunReport:
     scene: str | None = None
     beside: tuple[tuple[str, str], ...] = ()
     remarks: tuple[str, ...] = ()
+    enough: str = ""  # why an end before the end is as good; empty: it is not
     dimensions: Mapping[str, DesignParameter] = field(default_factory=dict)
     given: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What the user should know and cannot see."""
-        notes = list(self.remarks)
+        notes = [*self.remarks, *([self.enough] if self.enough else [])]
         limited = [joint.name for joint in self.simulator.mechanism.joints if joint.is_limited]
         if limited and not any("limit" in c.name for c in self.account if c.effect is not None):
             notes.append(

@@ -170,13 +170,14 @@ class Stage:
     def _best_view(self, instants: list[int]) -> tuple[Array, Array, Array]:
         """The view in which the motion spreads widest while the faces are not seen edge on."""
         points = [self._outline(k) for k in instants]
+        outline = np.concatenate([*points, points[0][:1]])  # a line, which has two points at least
         areas = np.array([face.area for face in self.solid.faces])
         best, found = -1.0, _axes(_AZIMUTHS[2], _ELEVATIONS[1])
         for elevation in _ELEVATIONS:
             for azimuth in _AZIMUTHS:
                 axes = _axes(azimuth, elevation)
-                flat = np.concatenate(points) @ np.stack(axes[:2], axis=1)
-                spread = float(shapely.area(shapely.convex_hull(shapely.multipoints(flat))))
+                flat = outline @ np.stack(axes[:2], axis=1)
+                spread = float(shapely.area(shapely.convex_hull(shapely.linestrings(flat))))
                 visible = 1.0
                 if areas.sum() > 0.0:
                     facing = [np.abs(self._rotated_normals(k) @ axes[2]) @ areas for k in instants]

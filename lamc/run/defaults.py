@@ -1,8 +1,9 @@
-"""What a run does where nobody says: how long it is, and how many rows it has. Numbers only."""
+"""What a run does where nobody says: how long it is, how many rows it has, how much work it may be. Numbers only."""
 
 import math
 
 DURATION = 10.0  # s
+MAX_STEPS = 1_000_000
 _FEWEST, _MOST_NUMBERS = 2001, 4_000_000  # rows; numbers in the table of a result
 
 
@@ -12,3 +13,18 @@ def default_rows(t_end: float, size: int) -> int:
         return 0
     most = max(_FEWEST, min(100_001, _MOST_NUMBERS // (size + 2)))
     return int(min(max(_FEWEST, 200 * t_end + 1), most))
+
+
+# Work of an evaluation in units of 2 ns of a core, by sheets of 176 to 736 hinges that start flat: a hinge in loops
+# takes 150, and the square of the freedoms (up to 50, in proportion from there on) for the directions that are free; a
+# hinge of a tree takes 40. `python -m benchmarks.large_drawings` has what comes of it.
+_OF_LOOPS, _OF_TREES, _SQUARED = 150, 40, 50
+_EVALUATIONS = 12  # of a step
+_MOST_WORK = 2_000_000_000  # of a run: 4 s, so that all of `lamc run` takes less than 20
+
+
+def default_steps(hinges: int, freedoms: int, *, has_loops: bool) -> int:
+    """Steps that a run tries where nobody says how long it is, nor how many: those of small mechanisms have no part
+    in it. Counted, not timed, so that a run ends alike on every machine."""
+    each = _OF_LOOPS + freedoms * min(freedoms, _SQUARED) if has_loops else _OF_TREES
+    return min(MAX_STEPS, max(1, _MOST_WORK // (_EVALUATIONS * max(1, hinges) * each)))

@@ -59,15 +59,16 @@ typedef struct lamc_loop_parts {
   lamc_real *row;          /* (n,): one row of J, all rates; zero when it is not in use */
   lamc_real *step_of;      /* (n,): the step that eliminates a rate; -1: none */
   lamc_real *touched;      /* (n,): the rates that the row knows */
-  lamc_real *is_touched;   /* (n,): 1 for those, while they are gathered; zeros between */
-  lamc_real *waiting;      /* (m,): rows that wait */
-  lamc_real *free;         /* (n, n): as many rows as there are free directions */
-  lamc_real *l;            /* (n, n): of N^T M N = L L^T */
-  lamc_real *x;            /* (n,) */
-  lamc_real *z;            /* (n,) */
-  lamc_real *goal;         /* (m,) */
-  lamc_real *qdot;         /* (nq,) */
-  lamc_real *y;            /* (nq + n,): a settled copy of a state */
+  lamc_real *is_touched; /* (n,): their places among those, from 1, while they are gathered; zeros between */
+  lamc_real *due;        /* (n,): steps that eliminated one of those, a heap */
+  lamc_real *waiting;    /* (m,): rows that wait, by their places in the plan's order */
+  lamc_real *free;       /* (n, n): as many rows as there are free directions */
+  lamc_real *l;          /* (n, n): of N^T M N = L L^T */
+  lamc_real *x;          /* (n,) */
+  lamc_real *z;          /* (n,) */
+  lamc_real *goal;       /* (m,) */
+  lamc_real *qdot;       /* (nq,) */
+  lamc_real *y;          /* (nq + n,): a settled copy of a state */
   /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations with
    * too few, steps with too few, 1 where a row of J fades, 1 where the elimination was planned */
   lamc_real *state;

@@ -76,46 +76,71 @@ static inline int lamc_sparse_follow(const lamc_loop_parts *p) {
   return plan->step_count;
 }
 
-/* A rate that is new to the row */
-static inline int lamc_sparse_touch(const lamc_loop_parts *p, int known, int rate) {
-  if (p->is_touched[rate] != 0) return known;
-  p->is_touched[rate] = 1;
-  p->touched[known] = (lamc_real)rate;
-  return known + 1;
+/* A step that is to be taken from the row: a binary heap, the earliest first */
+static inline void lamc_sparse_push(const lamc_loop_parts *p, int count, lamc_real step) {
+  int at = count;
+  for (; at > 0 && p->due[(at - 1) / 2] > step; at = (at - 1) / 2) p->due[at] = p->due[(at - 1) / 2];
+  p->due[at] = step;
 }
 
-/* Where among the touched the rate is that the earliest step eliminated; -1: none is left that any did */
-static inline int lamc_sparse_earliest(const lamc_loop_parts *p, int known) {
-  int best = -1;
-  for (int k = 0; k < known; k++) {
-    const lamc_real step = p->step_of[(int)p->touched[k]];
-    if (step >= 0 && (best < 0 || step < p->step_of[(int)p->touched[best]])) best = k;
+/* The earliest of `count`, which is taken out */
+static inline int lamc_sparse_pop(const lamc_loop_parts *p, int count) {
+  const lamc_real earliest = p->due[0], last = p->due[count - 1];
+  int at = 0;
+  for (int under = 1; under < count - 1; under = 2 * at + 1) {
+    if (under + 1 < count - 1 && p->due[under + 1] < p->due[under]) under++;
+    if (!(p->due[under] < last)) break;
+    p->due[at] = p->due[under];
+    at = under;
   }
-  return best;
+  p->due[at] = last;
+  return (int)earliest;
+}
+
+/* How much a row knows while it is freed */
+typedef struct lamc_row_known {
+  int rates; /* the first of p->touched */
+  int due;   /* steps that eliminated one of them */
+} lamc_row_known;
+
+/* A rate that may be new to the row */
+static inline void lamc_sparse_touch(const lamc_loop_parts *p, lamc_row_known *known, int rate) {
+  if (p->is_touched[rate] != 0) return;
+  p->touched[known->rates++] = (lamc_real)rate;
+  p->is_touched[rate] = (lamc_real)known->rates;
+  if (p->step_of[rate] >= 0) lamc_sparse_push(p, known->due++, p->step_of[rate]);
+}
+
+/* A rate that the row no longer knows: the last of the touched takes its place */
+static inline void lamc_sparse_untouch(const lamc_loop_parts *p, lamc_row_known *known, int rate) {
+  const lamc_real place = p->is_touched[rate], last = p->touched[--known->rates];
+  p->touched[(int)place - 1] = last;
+  p->is_touched[(int)last] = place;
+  p->is_touched[rate] = 0;
 }
 
 /* Row `row` of J freed of what `count` steps eliminated, its updates written behind theirs; how many rates are left in
  * it, among the touched */
 static inline int lamc_sparse_free(const lamc_loop_parts *p, int row, int count) {
   const lamc_steps *s = &p->steps;
-  int known = 0, update = (int)s->update_start.found[count];
+  lamc_row_known known = {0, 0};
+  int update = (int)s->update_start.found[count];
   for (int e = p->pattern->row_start[row]; e < p->pattern->row_start[row + 1]; e++) {
-    known = lamc_sparse_touch(p, known, p->pattern->column[e]);
+    lamc_sparse_touch(p, &known, p->pattern->column[e]);
   }
   lamc_sparse_scatter(p, row);
-  for (int at = lamc_sparse_earliest(p, known); at >= 0; at = lamc_sparse_earliest(p, known)) {
-    const int step = (int)p->step_of[(int)p->touched[at]];
-    p->is_touched[(int)p->touched[at]] = 0;
-    p->touched[at] = p->touched[--known];
+  while (known.due > 0) {
+    const int step = lamc_sparse_pop(p, known.due--);
+    lamc_sparse_untouch(p, &known, (int)s->left.found[(int)s->left_start.found[step]]);
     for (int e = (int)s->left_start.found[step] + 1; e < (int)s->left_start.found[step + 1]; e++) {
-      known = lamc_sparse_touch(p, known, (int)s->left.found[e]);
+      lamc_sparse_touch(p, &known, (int)s->left.found[e]);
     }
     s->update.found[update] = (lamc_real)step;
     s->factor[update++] = lamc_sparse_update(p, step);
   }
   s->update_start.found[count + 1] = (lamc_real)update;
-  for (int k = 0; k < known; k++) p->is_touched[(int)p->touched[k]] = 0;
-  return known;
+  for (int k = 0; k < known.rates; k++) p->is_touched[(int)p->touched[k]] = 0;
+  return known.rates;
 }
 
 /* The largest of what is left */
@@ -132,21 +157,33 @@ static inline void lamc_sparse_forget(const lamc_loop_parts *p, int known) {
   for (int k = 0; k < known; k++) p->row[(int)p->touched[k]] = 0;
 }
 
-/* The row that was freed becomes step `count` */
-static inline void lamc_sparse_take(const lamc_loop_parts *p, int row, int count, int known) {
-  const lamc_steps *s = &p->steps;
-  const int first = (int)s->left_start.found[count];
-  int best = (int)p->touched[0], beyond = first + 1;
+/* Which of the rates that are left a row gives up: the plan's, which fills up few rows, unless another is much larger */
+static inline int lamc_sparse_choose(const lamc_loop_parts *p, int place, int known, lamc_real peak) {
+  const lamc_pattern *plan = p->pattern;
+  if (place < plan->step_count) {
+    const int planned = plan->left[plan->left_start[place]];
+    if (fabs(p->row[planned]) > OF_LARGEST * peak) return planned;
+  }
+  int best = (int)p->touched[0];
   for (int k = 1; k < known; k++) {
     const int rate = (int)p->touched[k];
     if (fabs(p->row[rate]) > fabs(p->row[best])) best = rate;
   }
+  return best;
+}
+
+/* The row that was freed, at `place` in the plan's order, becomes step `count` */
+static inline void lamc_sparse_take(const lamc_loop_parts *p, int place, int count, int known,
+                                    lamc_real peak) {
+  const lamc_steps *s = &p->steps;
+  const int first = (int)s->left_start.found[count], best = lamc_sparse_choose(p, place, known, peak);
+  int beyond = first + 1;
   s->left.found[first] = (lamc_real)best;
   for (int k = 0; k < known; k++) {
     const int rate = (int)p->touched[k];
     if (rate != best && p->row[rate] != 0) s->left.found[beyond++] = (lamc_real)rate;
   }
-  s->row.found[count] = (lamc_real)row;
+  s->row.found[count] = (lamc_real)p->pattern->step_row[place];
   s->left_start.found[count + 1] = (lamc_real)beyond;
   s->peak[count] = lamc_sparse_collect(p, first, beyond);
   s->inverse[count] = 1 / s->value[first];
@@ -166,23 +203,22 @@ static inline void lamc_sparse_round(const lamc_loop_parts *p, int rank, lamc_re
   now->waiting = 0;
   now->most = 0;
   for (int k = 0; k < waiting && now->count < rank; k++) {
-    const int row = (int)p->waiting[k];
-    const int known = lamc_sparse_free(p, row, now->count);
+    const int place = (int)p->waiting[k];
+    const int known = lamc_sparse_free(p, p->pattern->step_row[place], now->count);
     const lamc_real peak = lamc_sparse_peak(p, known);
     if (peak >= least) {
-      lamc_sparse_take(p, row, now->count++, known);
+      lamc_sparse_take(p, place, now->count++, known, peak);
       continue;
     }
     lamc_sparse_forget(p, known);
-    p->waiting[now->waiting++] = (lamc_real)row;
+    p->waiting[now->waiting++] = (lamc_real)place;
     now->most = peak > now->most ? peak : now->most;
   }
 }
 
 /* All rows wait: those of the plan first, as it takes them, then the others */
 static inline void lamc_sparse_line_up(const lamc_loop_parts *p) {
-  const lamc_pattern *plan = p->pattern;
-  for (int i = 0; i < p->m; i++) p->waiting[i] = (lamc_real)plan->step_row[i];
+  for (int i = 0; i < p->m; i++) p->waiting[i] = (lamc_real)i;
 }
 
 /* From nothing; how many equations were taken. What fades is let go as in lamc_dense_order. */

@@ -31,7 +31,7 @@ static inline long long lamc_loop_elimination_size(const lamc_model *model) {
   const long long n = model->rate_count, m = model->closure_count;
   if (model->pattern->step_count == 0) return 3 * m + 2 * n + m * n;
   const long long triangle = n * (n + 1) / 2;
-  return n + 2 * (n + 1) + 2 * (triangle + n) + 2 * triangle + 3 * n + 4 * n + m;
+  return n + 2 * (n + 1) + 2 * (triangle + n) + 2 * triangle + 3 * n + 5 * n + m;
 }
 
 static inline long long lamc_loop_work_size(const lamc_model *model) {
@@ -77,6 +77,7 @@ static inline void lamc_loop_place_elimination(lamc_loop_parts *p, lamc_real **n
   p->step_of = lamc_loop_part(next, n);
   p->touched = lamc_loop_part(next, n);
   p->is_touched = lamc_loop_part(next, n);
+  p->due = lamc_loop_part(next, n);
   p->waiting = lamc_loop_part(next, m);
 }
 

@@ -1,0 +1,100 @@
+"""Facets that have vertices and edges of their own, as meshes for printing have: they are joined along their creases.
+
+In: vertices, edges with kinds and angles, faces. Out: edges and faces of the sheet that is meant, and a note.
+Never: joins rims and cuts, which may lie side by side; nor layers of a folded sheet, whose creases have both facets.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from lamc.records.mechanism import Array
+from lamc.records.network import listed_names
+
+_SAME = 1e-9  # of the size: places that differ by less are one, as files write 10 to 17 digits
+_FOLDS = "MVFU"
+Edge = tuple[int, int]
+Edges = tuple[Edge, ...]
+Faces = tuple[tuple[int, ...], ...] | None
+
+
+def with_seams(
+    vertices: Array,
+    edges: Edges,
+    kinds: str,
+    angles: Sequence[float | None],
+    faces: Faces,
+    kept: list[int],
+    notes: list[str],
+) -> tuple[Edges, Faces, list[int]]:
+    """Edges, faces, and those of the places `kept` that stay, with facets joined along creases that both draw."""
+    own = [edges[k] for k in kept]
+    pairs = _seams(vertices, own, "".join(kinds[k] for k in kept), [angles[k] for k in kept], faces)
+    if not pairs:
+        return edges, faces, kept
+    one, left_out = _joined(vertices, own, pairs), {kept[second] for _, second in pairs}
+    named = listed_names([str(k) for k in sorted(left_out)])
+    notes.append(
+        f"edges {named} lie where others do, between vertices of their own: facets are joined along them"
+    )
+    joined = tuple((one[a], one[b]) for a, b in edges)
+    rings = None if faces is None else tuple(tuple(one[v] for v in face) for face in faces)
+    return joined, rings, [k for k in kept if k not in left_out]
+
+
+def _seams(
+    vertices: Array, edges: Sequence[Edge], kinds: str, angles: Sequence[float | None], faces: Faces
+) -> list[tuple[int, int]]:
+    """Pairs of creases, by their places in `edges`, that two facets draw along one line with vertices of their own."""
+    places = _places(vertices)
+    beside = _counts(faces)
+    along: dict[Edge, list[int]] = {}
+    for index, (a, b) in enumerate(edges):
+        alone = beside is None or beside.get((min(a, b), max(a, b)), 0) == 1
+        if alone and kinds[index] in _FOLDS:
+            ends = places[a], places[b]
+            along.setdefault((min(ends), max(ends)), []).append(index)
+    pairs = [tuple(found) for found in along.values() if len(found) == 2]
+    return [
+        (first, second)
+        for first, second in pairs
+        if set(edges[first]) != set(edges[second])
+        and (kinds[first], angles[first]) == (kinds[second], angles[second])
+    ]
+
+
+def _joined(vertices: Array, edges: Sequence[Edge], pairs: Sequence[tuple[int, int]]) -> list[int]:
+    """The vertex that each one is, where ends of such pairs are one: the first of those."""
+    places, one = _places(vertices), list(range(len(vertices)))
+
+    def root(v: int) -> int:
+        while one[v] != v:
+            one[v] = one[one[v]]
+            v = one[v]
+        return v
+
+    for first, second in pairs:
+        for a in edges[first]:
+            b = next(v for v in edges[second] if places[v] == places[a])
+            low, high = sorted((root(a), root(b)))
+            one[high] = low
+    return [root(v) for v in range(len(vertices))]
+
+
+def _places(vertices: Array) -> list[int]:
+    """A number for each vertex; those at one place have the same."""
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
+    rounded = np.round(vertices / (_SAME * size))
+    return np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1).tolist()
+
+
+def _counts(faces: Faces) -> dict[Edge, int] | None:
+    """How many faces each side has; None where faces are not known, and what is drawn has no layers."""
+    if faces is None:
+        return None
+    found: dict[Edge, int] = {}
+    for face in faces:
+        for a, b in zip(face, (*face[1:], face[0]), strict=True):
+            side = min(a, b), max(a, b)
+            found[side] = found.get(side, 0) + 1
+    return found

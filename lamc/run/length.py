@@ -1,0 +1,50 @@
+"""How long a run of the command line is: what was asked for, or, where nobody says, 10 s as far as counted work allows.
+
+In: what was asked for, a simulator. Out: an end, a number of steps, and a remark where these ended the run. Never:
+looks at a clock, so that a run ends alike on every machine.
+"""
+
+from dataclasses import dataclass
+
+from lamc.run.defaults import DURATION, MAX_STEPS, default_rows, default_steps
+from lamc.run.request import Status
+from lamc.run.result import Result
+from lamc.run.simulator import Simulator
+
+
+@dataclass(frozen=True)
+class Length:
+    """t_end: s. steps: that are tried. is_own: they are lamc's choice, and a run that takes them all is a whole one."""
+
+    t_end: float
+    steps: int
+    is_own: bool = False
+
+    def rows(self, size: int) -> int:
+        """Rows of a table of states of a size where nobody says; 0: one after each step, as rows that are spread over
+        all of it would miss a run that ends early."""
+        rows = default_rows(self.t_end, size)
+        return 0 if self.is_own and self.steps <= rows else rows
+
+    def remark(self, simulator: Simulator, result: Result) -> str:
+        """That the run took all steps of lamc's choice, and the way out; empty for any other end."""
+        if not self.is_own or result.status != Status.STEP_LIMIT:
+            return ""
+        return (
+            f"nobody says how long it is to run, and {self.steps} steps of {len(simulator.joints)} hinges with "
+            f"{simulator.freedoms} freedoms are as much work as a run does by itself: it ends before "
+            f"{self.t_end:g} s; --t-end {self.t_end:g}, or a duration in its scene, runs to there however long that "
+            "takes, and a looser --rtol takes longer steps"
+        )
+
+
+def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) -> Length:
+    """The length of a run, s and steps; None: not asked for."""
+    duration = simulator.scene.duration
+    end = duration or DURATION if t_end is None else t_end
+    if max_steps is not None:
+        return Length(end, max_steps)
+    if t_end is not None or duration:
+        return Length(end, MAX_STEPS)
+    steps = default_steps(len(simulator.joints), simulator.freedoms, has_loops=bool(simulator.cut_joints))
+    return Length(end, steps, steps < MAX_STEPS)

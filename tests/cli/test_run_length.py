@@ -1,0 +1,79 @@
+"""`lamc run` where nobody says how long: 10 s, as far as counted work allows; what it left out is told."""
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from lamc.cli import main
+from lamc.run import defaults
+from lamc.run.defaults import MAX_STEPS, default_steps
+from tests.support.ctools import needs_cc
+from tests.support.fold_corpus import miura, write
+
+pytestmark = needs_cc
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(*words: str) -> tuple[Result, dict[str, object]]:
+    done = CliRunner().invoke(main, ["run", "--example", "pendulum", "--no-pictures", "--out", "o", *words])
+    return done, json.loads(Path("o/manifest.json").read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def little_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(defaults, "_MOST_WORK", 40 * 12 * 3 * 25)  # 25 steps of three hinges of a tree
+
+
+@pytest.mark.usefixtures("little_work")
+def test_a_run_without_a_length_ends_after_so_much_work_and_says_so() -> None:
+    done, manifest = run()
+    assert done.exit_code == 0, done.output
+    assert manifest["ok"] is True
+    assert manifest["status"] == "step_limit"
+    assert manifest["rows"] == 1 + manifest["stats"]["accepted"]  # type: ignore[index]
+    assert manifest["stats"]["steps"] == 25  # type: ignore[index]
+    (note,) = [note for note in manifest["notes"] if "nobody says" in note]  # type: ignore[attr-defined]
+    assert "25 steps of 3 hinges with 3 freedoms" in note
+    assert "--t-end 10, or a duration in its scene, runs to there" in note
+
+
+@pytest.mark.usefixtures("little_work")
+@pytest.mark.parametrize("words", [["--t-end", "0.5"], ["--scene", "driven"]])
+def test_a_length_that_is_given_is_run_whatever_the_work(words: list[str]) -> None:
+    done, manifest = run(*words)
+    assert done.exit_code == 0, done.output
+    assert manifest["status"] == "reached_end"
+    assert manifest["stats"]["steps"] > 25  # type: ignore[index]
+
+
+def test_steps_that_are_given_are_the_users_own_limit() -> None:
+    done, manifest = run("--max-steps", "20")
+    assert done.exit_code == 3
+    assert manifest["ok"] is False
+    assert run("--max-steps", "0")[0].exit_code == 2
+
+
+def test_small_mechanisms_run_for_as_many_steps_as_ever() -> None:
+    assert default_steps(3, 3, has_loops=False) == MAX_STEPS == 1_000_000
+    assert default_steps(40, 40, has_loops=False) > 100_000
+    assert default_steps(12, 1, has_loops=True) > 50_000  # of a millisecond or more
+    assert default_steps(736, 61, has_loops=True) < 200
+
+
+@pytest.mark.usefixtures("little_work")
+def test_frames_of_a_motion_end_there_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of an export that nobody gives a length."""
+    monkeypatch.setattr(defaults, "_MOST_WORK", 1)
+    write(Path("sheet.fold"), miura(2, 2))
+    made = CliRunner().invoke(main, ["export", "sheet.fold", "--to", "fold", "--out", "f"])
+    assert made.exit_code == 0, made.output
+    assert "nobody says how long" in made.output
+    (file,) = Path("f").glob("*.fold")
+    assert len(json.loads(file.read_text(encoding="utf-8"))["file_frames"]) == 2

@@ -70,9 +70,11 @@ def _linker(program: str) -> tuple[str, ...]:
 
 @contextmanager
 def unpainted_figures() -> Iterator[None]:
-    """Within it, figures are composed and not painted, which takes up to a second each; their files are no pictures."""
+    """Within it, figures are composed, and neither laid out nor painted, which takes up to a second each; their files
+    are no pictures."""
 
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     def savefig(_figure: object, target: BinaryIO | str, **_settings: object) -> None:
         with open(target, "wb") if isinstance(target, str) else nullcontext(target) as stream:
@@ -80,6 +82,7 @@ def unpainted_figures() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Figure, "savefig", savefig)
+        patch.setattr(ConstrainedLayoutEngine, "execute", lambda _engine, _figure: None)
         yield
 
 

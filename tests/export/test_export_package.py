@@ -131,6 +131,9 @@ def test_it_builds_without_a_warning_and_prints_the_same_bytes(
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", KINDS)
 @pytest.mark.quick("pendulum-*", "four_bar-*-options0")
+@pytest.mark.ci(
+    "pendulum-*", "four_bar-*", "limit_stop-gcc-options0", "crawler-gcc-*", "crawler-clang-options0"
+)
 def test_what_is_left_out_leaves_no_warning(
     name: str, compiler: Sequence[str], options: dict[str, object], tmp_path: Path
 ) -> None:

@@ -41,7 +41,9 @@ def shell(line: str, folder: Path) -> "subprocess.CompletedProcess[str]":
 _ALL = """
 import json, os, sys
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from lamc.cli import main
+ConstrainedLayoutEngine.execute = lambda engine, figure: None
 Figure.savefig = lambda figure, stream, **settings: stream.write(b"\\x89PNG")  # painted below
 COMMANDS = json.loads(sys.argv[1])
 codes, here = {}, os.getcwd()

@@ -90,7 +90,8 @@ check-tools:
 	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { echo "Python's venv module is missing: install it (Debian: apt install python3-venv)"; exit 1; }
 	@command -v $${CC:-cc} >/dev/null || { echo "a C compiler is missing: install gcc or clang (Debian: apt install gcc libc6-dev), or set CC=…"; exit 1; }
 
+# Python compiles what is used when it is first used: pip would compile all of ten thousand files.
 $(STAMP): pyproject.toml packaging_hook.py | check-tools
 	@test -x $(BIN)/python || { echo "Setting up $(VENV) (once) …"; $(PYTHON) -m venv $(VENV); }
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test,lint]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -e '.[test,lint]'
 	@touch $@

@@ -112,7 +112,14 @@ def test_no_block_of_the_pages_is_passed_over() -> None:
     "lamc run --example flaps --angle*",
     "lamc run --example flaps --hinge-stiffness*",
 )
-@pytest.mark.ci("lamc [!c]*", "lamc check d*", "command*")
+@pytest.mark.ci(
+    "lamc [!clv]*",
+    "lamc check d*",
+    "lamc ledger d*",
+    "lamc view [!-]*",
+    "lamc view --example pendulum*",
+    "command*",
+)
 def test_each_lamc_command_of_the_pages_succeeds(
     command: str, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -178,7 +178,7 @@ int main(void) {
 
 @pytest.mark.parametrize("name", [*KINDS, "folding_box"])
 @pytest.mark.quick("limit_stop")
-@pytest.mark.ci("limit_stop", "four_bar", "crawler")
+@pytest.mark.ci("limit_stop", "crawler")
 def test_every_function_runs_clean_under_the_address_and_undefined_behaviour_sanitizers(
     name: str, tmp_path: Path
 ) -> None:

@@ -1,6 +1,5 @@
 """Loops in single precision against the same steps in double precision, and where loops become singular."""
 
-import math
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from lamc.examples import find
 from lamc.export.driven import simulator_of
 from lamc.run.simulator import Simulator
 from tests.support.ctools import needs_cc
-from tests.support.exported import Exported, c_files
+from tests.support.exported import C99, Exported, c_files
 
 pytestmark = needs_cc
 
@@ -35,6 +34,9 @@ class Pair:
     """One model in both precisions, from the same sources but for the numbers."""
 
     def __init__(self, name: str, folder: Path) -> None:
+        many = (
+            ("-O1",) if name.startswith("n_four_bar") else ()
+        )  # 70 000 steps: worth half a second of the compiler
         text = folder / "model.yaml"
         text.write_text(find(name).text)
         design = lamc.load(text)
@@ -45,7 +47,8 @@ class Pair:
             "double": lamc.ExportOptions(real_time=True, libm=False),
         }
         self.single, self.double = (
-            Exported(c_files(mechanism, scene, options), folder / kind) for kind, options in kinds.items()
+            Exported(c_files(mechanism, scene, options), folder / kind, (*C99, *flags))
+            for (kind, options), flags in zip(kinds.items(), (many, ()), strict=True)
         )
         self.simulator: Simulator = simulator_of(mechanism, scene, kinds["double"])
         self.size = float(self.simulator.mechanism.size)  # m
@@ -116,7 +119,7 @@ def test_motion_differs_from_that_of_doubles_by_round_off(name: str, pairs: Any)
 
 @pytest.mark.parametrize("name", ["four_bar", "six_bar", "bricard", "waterbomb"])
 @pytest.mark.slow
-@pytest.mark.ci("four_bar", "bricard", "waterbomb")
+@pytest.mark.ci("bricard", "waterbomb")
 def test_loops_stay_closed_over_a_hundred_thousand_steps(name: str, pairs: Any) -> None:
     pair = pairs(name)
     model, it = pair.single, pair.single.instance()
@@ -143,21 +146,22 @@ def test_passages_through_a_singular_position_keep_branch_and_energy(count: int,
     model = pair.single
     names = [model.ffi.string(model.call("joint_name", k)).decode() for k in range(pair.count)]
     upright = [names.index(f"g{k}") for k in range(count + 1)]
+    found = model.new("outputs")
     for share in np.linspace(0.8, 1.2, 7):
         it = model.instance()
         start = outputs(model, it).total_energy
-        passages, above = 0, True
+        rows = []
         for _ in range(round(10.0 / (share * H))):
             assert model.call("step_fixed", it, share * H) == 0
-            found = outputs(model, it)
-            angles = np.array([found.angle[k] for k in upright], dtype=float)
-            spread = np.angle(np.exp(1j * (angles - angles[0])))
-            assert np.abs(spread).max() < 2e-3  # rad; in line, tops are off by the root of what closure is
-            passages += above != (math.cos(angles[0]) > 0.0)
-            above = math.cos(angles[0]) > 0.0
-            assert found.closure <= LOST * pair.size
-            assert abs(found.total_energy - start) < 1e-3 * start
-        assert passages >= 10
+            assert model.call("get_outputs", it, found) == 0
+            rows.append((found.closure, found.total_energy, *(found.angle[k] for k in upright)))
+        closure, energy, *angles = np.array(rows).T
+        spread = np.angle(np.exp(1j * (np.array(angles) - angles[0])))
+        assert np.abs(spread).max() < 2e-3  # rad; in line, tops are off by the root of what closure is
+        assert np.all(closure <= LOST * pair.size)
+        assert np.all(np.abs(energy - start) < 1e-3 * start)
+        above = np.cos([0.0, *angles[0]]) > 0.0
+        assert np.count_nonzero(above[1:] != above[:-1]) >= 10
 
 
 def random_state(pair: Pair, generator: np.random.Generator) -> Array | None:
@@ -181,9 +185,7 @@ def started(model: Exported, count: int, state: Array) -> tuple[int, Any]:
 
 @pytest.mark.parametrize("name", [*LOOPS[:-1], "miura:3x3", "folding_box"])
 @pytest.mark.quick("four_bar", "vertex")
-@pytest.mark.ci(
-    "four_bar", "five_bar", "six_bar", "two_loops", "bricard", "sarrus", "vertex", "waterbomb", "miura:2x2"
-)
+@pytest.mark.ci("four_bar", "six_bar", "two_loops", "bricard", "sarrus", "vertex", "waterbomb")
 def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs: Any) -> None:
     """Random states. Where an equation of the loops has next to no say, single precision cannot tell it from a
     redundant one, and which way the mechanism moves is left to forces: nothing more is asked there than numbers and

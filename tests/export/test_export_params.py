@@ -56,6 +56,8 @@ def moved(folder: Path, which: str, step: str = "step(&it, 0.2)") -> str:
 
 @pytest.mark.parametrize("precision", ["double", "float"])
 @pytest.mark.parametrize("name", ["four_bar", "flaps"])
+@pytest.mark.quick("four_bar-double")
+@pytest.mark.ci("four_bar-double", "flaps-float")
 def test_the_c_of_one_design_runs_another(name: str, precision: str, tmp_path: Path) -> None:
     options = ExportOptions(precision=precision, real_time=precision == "float")
     step = "step_fixed(&it, 0.001F)" if options.real_time else "step(&it, 0.2)"

@@ -209,7 +209,7 @@ def power_of(effect: lamc.BladeElementDrag, velocity: Array, spin: Array) -> tup
     rotation=st.floats(-5.0, 5.0),
     point=st.floats(-0.5, 1.5),
 )
-@settings(deadline=None, max_examples=tries(40))
+@settings(deadline=None, max_examples=tries(20))
 def test_still_air_only_takes(
     velocity: Array, spin: Array, lift: float, drag: float, ratio: float, rotation: float, point: float
 ) -> None:

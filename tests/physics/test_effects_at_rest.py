@@ -41,6 +41,14 @@ def test_inertia_by_energies_is_that_of_the_equations(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
+@pytest.mark.quick(
+    "blade_element_drag",
+    "flexible_links",
+    "free_base",
+    "hinge_damping",
+    "joint_limits",
+    "nonlinear_stiffness",
+)
 def test_derivatives_at_rest_are_what_differences_say(name: str) -> None:
     """By the same road that models without derivatives take. Beside drag and friction, whose rates have a scale of
     their own, the widths that it tries leave 1e-9 of the damping."""

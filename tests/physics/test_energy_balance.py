@@ -77,6 +77,9 @@ def test_the_rate_of_the_kinetic_energy_is_the_sum_of_all_powers(name: str) -> N
 
 
 @pytest.mark.parametrize("name", names())
+@pytest.mark.quick(
+    "flexible_links", "free_base", "ground_contact", "hinge_damping", "piezo_bender", "twist_compliance"
+)
 def test_two_cross_checks_tell_the_same_powers(name: str) -> None:
     """The C, and the same program interpreted in Python."""
     sim = simulator(name)

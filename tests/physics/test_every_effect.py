@@ -199,7 +199,7 @@ DATA = st.recursive(
 )
 PATIENT = settings(
     deadline=None,
-    max_examples=tries(120),
+    max_examples=tries(60),
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
 )
 

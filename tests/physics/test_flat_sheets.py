@@ -82,6 +82,7 @@ def test_sheets_of_quadrilaterals_start_however_many_rates_are_free(tmp_path: Pa
     assert set(count.branch_ranks) <= {joints - 1, joints - 41}
 
 
+@pytest.mark.slow
 def test_a_miura_sheet_folds_as_its_creases_ask(tmp_path: Path) -> None:
     """Of more branches than are looked for, the one on which all creases fold as they rest has most work done on it."""
     sim = lamc.compile(loaded(tmp_path, miura(12, 12)), lamc.Scene(without=("gravity", "hinge_damping")))

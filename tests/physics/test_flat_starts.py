@@ -150,8 +150,9 @@ def test_a_net_with_many_motions_keeps_them_next_to_flat(angle: float) -> None:
     assert sim.run(t_end=0.01).success
 
 
-@pytest.mark.parametrize("count", [8, pytest.param(32, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize("count", [6, 8, 32])
 @pytest.mark.slow
+@pytest.mark.ci("6")
 def test_a_large_sheet_that_lies_flat_finds_its_branch_by_itself(count: int) -> None:
     """A Miura fold of n x n facets has 2 (n - 1) free rates where it is flat. On the branch that a weight takes, its
     n - 1 straight lines fold, each by itself."""

@@ -192,6 +192,7 @@ def test_a_rounded_sheet_has_the_branches_and_freedoms_of_the_exact_one(turned: 
 @pytest.mark.parametrize("decimals", [3, 5, 7])
 @pytest.mark.parametrize("start", ["flat", "folded"])
 @pytest.mark.quick("flat-3")
+@pytest.mark.ci("flat-3", "flat-7", "folded-5")
 def test_a_rounded_sheet_runs_with_no_option(start: str, decimals: int) -> None:
     angles = {} if start == "flat" else {"z0_1": -0.5, "z0_2": 0.5}
     sim = compiled(sheet(flat_miura(3, 3, 17.0, decimals)), effects=(Gravity(),), angles=angles)

@@ -36,6 +36,7 @@ from tests.support.closed_mechanisms import ClosedMechanism, closed_mechanisms
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
 from tests.support.mechanisms import ALL_PASSIVE, chain, trees
+from tests.support.quick import tries
 from tests.support.sheets import folded_miura, sheet
 
 NOT_TOLD = {
@@ -90,14 +91,14 @@ def check(first: Mechanism, second: Mechanism, effects: Sequence[Effect], *, mus
         assert program.digest != derived.digest or list(one.inputs([])) == list(other.inputs([]))
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=tries(40))
 @given(mechanism=trees(7), length=FACTORS, mass=FACTORS)
 def test_a_scaled_tree_has_the_same_program(mechanism: Mechanism, length: float, mass: float) -> None:
     first = scaled(mechanism, 0.71, 1.0)  # lengths of exactly 1 m are left out of products: another program
     check(first, scaled(first, length, mass), ALL_PASSIVE, must_agree=abs(length - 1.0) > 0.01)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=tries(40))
 @given(mechanism=trees(6), seed=st.integers(0, 2**32 - 1))
 def test_a_tree_of_other_lengths_has_the_same_program_or_another_survey(
     mechanism: Mechanism, seed: int
@@ -105,7 +106,7 @@ def test_a_tree_of_other_lengths_has_the_same_program_or_another_survey(
     check(mechanism, shifted(mechanism, seed), ALL_PASSIVE, must_agree=False)
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=tries(25))
 @given(closed=closed_mechanisms(), length=FACTORS, mass=FACTORS)
 def test_a_scaled_loop_has_the_same_program(closed: ClosedMechanism, length: float, mass: float) -> None:
     tree = plan(closed.mechanism)
@@ -187,6 +188,7 @@ def of_sheet(count: int, theta: float, gamma: float = 1.0) -> Mechanism:
 
 
 @pytest.mark.parametrize("count", [3, 4, 5])
+@pytest.mark.quick("3", "4")
 def test_sheets_of_one_plan_have_one_program(count: int) -> None:
     """Loops of many hinges are eliminated by a plan that follows from numbers; where it is the same, so is the
     program, and symmetry leaves many numbers that are equal but for round-off."""
@@ -194,11 +196,10 @@ def test_sheets_of_one_plan_have_one_program(count: int) -> None:
     for factor in (0.31, 1.3, 1.7):  # which of like vertices comes first must not be for round-off to choose
         check(first, scaled(first, factor, 0.6), ALL_PASSIVE, must_agree=True)
     check(first, of_sheet(count, 1.01), ALL_PASSIVE, must_agree=True)
-    for theta, gamma in ((0.41, 1.05), (0.7, 1.0), (1.3, 1.0), (1.44, 1.05)):
-        check(first, of_sheet(count, theta, gamma), ALL_PASSIVE, must_agree=False)
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 6])
+@pytest.mark.quick("4", "6")
 def test_fold_angles_of_a_sheet_have_few_programs(count: int) -> None:
     """Of 12, flat to folded, where no number is one: two or three, whatever the size."""
     effects = (Gravity(),)
@@ -221,7 +222,16 @@ def test_another_fold_angle_runs_by_the_same_code(tmp_path: Path) -> None:
             assert np.array_equal(one, two)
 
 
-@settings(deadline=None, max_examples=15)
+@pytest.mark.parametrize(("theta", "gamma"), [(0.41, 1.05), (0.7, 1.0), (1.3, 1.0), (1.44, 1.05)])
+@pytest.mark.parametrize("count", [3, 4, 5])
+@pytest.mark.quick("3-0.41-1.05", "4-1.3-1.0")
+def test_sheets_of_other_angles_have_the_program_of_their_survey(
+    count: int, theta: float, gamma: float
+) -> None:
+    check(of_sheet(count, 1.0), of_sheet(count, theta, gamma), ALL_PASSIVE, must_agree=False)
+
+
+@settings(deadline=None, max_examples=tries(15))
 @given(seed=st.integers(0, 2**32 - 1))
 def test_rough_sheets_have_the_program_of_their_survey(seed: int) -> None:
     """Vertices moved at random: plans of one and another differ or not, and the survey knows."""

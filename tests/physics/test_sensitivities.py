@@ -302,6 +302,9 @@ def test_a_servo_that_saturates() -> None:
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
+@pytest.mark.quick(
+    "base_motion", "blade_element_drag", "free_base", "ground_contact", "joint_limits", "nonlinear_stiffness"
+)
 def test_every_effect(name: str) -> None:
     """By a mass, an angle of the start, and the first number of the effect's own."""
     effects = tuple({"gravity": SAMPLES["gravity"], name: SAMPLES[name]}.values())

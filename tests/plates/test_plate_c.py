@@ -17,7 +17,7 @@ from lamc.plates.elements.definition import Element, side, xi
 from lamc.plates.elements.kernels import kernels
 from lamc.plates.elements.library import ELEMENTS, element
 from tests.plates.test_plate_kernels import cells, inputs
-from tests.support.ctools import STRICT, STRICT_CXX, cc, needs_cc, sanitizer_works
+from tests.support.ctools import STRICT, STRICT_CXX, cc, needs_cc, objects_of, sanitizer_works
 from tests.unit.test_sanitizers import FLAGS
 
 pytestmark = needs_cc
@@ -152,7 +152,7 @@ def test_generated_c_runs_clean_under_sanitizers(name: str, tmp_path: Path) -> N
     if not sanitizer_works(tmp_path, *FLAGS):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
     tree = sources(name, tmp_path)
-    cc(tmp_path, *FLAGS, "driver.c", *tree.compiled, "-lm", "-o", "driver")
+    cc(tmp_path, *FLAGS, "driver.c", *objects_of(tree, tmp_path, *FLAGS), "-lm", "-o", "driver")
     done = subprocess.run([tmp_path / "driver"], capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr[:3000]
     assert done.stderr == ""
@@ -162,7 +162,7 @@ def test_generated_c_runs_clean_under_sanitizers(name: str, tmp_path: Path) -> N
 @pytest.mark.quick("cst", "dkt", "lst", "q4", "specht")
 def test_generated_c_pleases_a_strict_compiler(name: str, tmp_path: Path) -> None:
     tree = sources(name, tmp_path)
-    cc(tmp_path, *STRICT, "-c", *tree.compiled)
+    objects_of(tree, tmp_path, *STRICT)
     (tmp_path / "alone.c").write_text(f'#include "{tree.prefix}.h"\nint main(void) {{ return 0; }}\n')
     cc(tmp_path, *STRICT, "-c", "alone.c")
     cc(tmp_path, "-x", "c++", *STRICT_CXX, "-fsyntax-only", "alone.c")

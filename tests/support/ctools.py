@@ -30,6 +30,7 @@ CC = os.environ.get("CC", "cc")
 SANITIZED = (
     *STRICT,
     "-O0",
+    "-ffp-contract=off",
     "-g",
     "-fsanitize=address,undefined",
     "-fno-sanitize-recover=all",
@@ -44,14 +45,25 @@ def cc(folder: Path, *arguments: str, compiler: str = CC) -> None:
     compiled([*compiler.split(), *arguments], folder)
 
 
-def objects_of(tree: SourceTree, folder: Path, *flags: str, compiler: str = CC) -> list[str]:
-    """Names of the objects of `tree`, compiled in `folder`, where its files are; the runtime, the same for every model,
-    once with the same flags."""
-    shared = [unit for unit in tree.compiled if unit in tree.shared]
-    own = [unit for unit in tree.compiled if unit not in tree.shared]
-    compiled([*compiler.split(), *flags, "-c", *shared], folder, tree.shared)
-    cc(folder, *flags, "-c", *own, compiler=compiler)
-    return [Path(unit).stem + ".o" for unit in (*shared, *own)]
+def objects_of(
+    tree: SourceTree, folder: Path, *flags: str, machine: Sequence[str] = (), compiler: str = CC
+) -> list[str]:
+    """Names of the objects of `tree`, compiled in `folder`, where its files are, with lanes and derivatives where it
+    has them; the runtime, the same for every model, once with the same flags.
+
+    machine: flags of what is compiled beside the model for a kind of processor"""
+    plain = [*compiler.split(), *flags, "-c"]
+    runtime = {name for name in tree.files if not name.startswith(tree.prefix) and name != "main.c"}
+    beside = (*tree.machine, *tree.beside)
+    for command, units, inputs in (
+        (plain, [unit for unit in tree.compiled if unit in tree.shared], tree.shared),
+        (plain, [unit for unit in tree.compiled if unit not in tree.shared], None),
+        ([*plain, *machine], [unit for unit in beside if unit in runtime], runtime),
+        ([*plain, *machine], [unit for unit in beside if unit not in runtime], None),
+    ):
+        if units:
+            compiled([*command, *units], folder, inputs)
+    return [Path(unit).stem + ".o" for unit in (*tree.compiled, *beside)]
 
 
 def sanitizer_works(folder: Path, *flags: str) -> bool:

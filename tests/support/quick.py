@@ -2,7 +2,8 @@
 
 The generated C keeps to IEEE arithmetic without contraction, so its bits do not depend on the level; tests of exports
 hold that with two compilers at three levels (`test_compilers_agree_to_the_last_bit`). The runtime of the session's
-cache, the elements of plates and the mesher are compiled once per run and do most of the arithmetic: they keep theirs.
+cache, the shorter elements of plates and the mesher are compiled once per run and do most of the arithmetic: they keep
+theirs.
 The runtime of other caches, those of tests of the cache and of ledgers, is compiled once by each process and copied:
 twenty calls of the compiler that give the same bytes. `pytest --as-shipped` compiles everything as users get it.
 """
@@ -21,6 +22,7 @@ from lamc.codegen import build, toolchain
 from lamc.export import fmu, wheel
 
 KEPT = frozenset({"_this_element.c", "_this_ply.c"})  # entries of plates' modules (`lamc.codegen.build`)
+LONG = 30_000  # bytes of an element's C: a second of the optimiser and more, and no test solves large meshes with it
 LEVEL = "-O0"  # gcc 12, the C of four hinges: 0.13 s; 0.34 s with -O1, 0.52 s with -O2
 
 # The same for a process: a program begins with this, and has a cache of its own.
@@ -61,6 +63,11 @@ def quickly(flags: Sequence[str]) -> tuple[str, ...]:
     return tuple(LEVEL if flag in ("-O1", "-O2") else flag for flag in flags)
 
 
+def _is_long(folder: Path) -> bool:
+    """Whether an element whose entry is made in `folder` has long C."""
+    return max(path.stat().st_size for path in (folder / build.SOURCES).glob("*.c")) > LONG
+
+
 @cache
 def _linker(program: str) -> tuple[str, ...]:
     """GNU's quicker linker, where gcc has it: 0.02 s for a model; 0.04 s with the other."""
@@ -70,9 +77,11 @@ def _linker(program: str) -> tuple[str, ...]:
 
 @contextmanager
 def unpainted_figures() -> Iterator[None]:
-    """Within it, figures are composed and not painted, which takes up to a second each; their files are no pictures."""
+    """Within it, figures are composed, and neither laid out nor painted, which takes up to a second each; their files
+    are no pictures."""
 
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     def savefig(_figure: object, target: BinaryIO | str, **_settings: object) -> None:
         with open(target, "wb") if isinstance(target, str) else nullcontext(target) as stream:
@@ -80,6 +89,7 @@ def unpainted_figures() -> Iterator[None]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Figure, "savefig", savefig)
+        patch.setattr(ConstrainedLayoutEngine, "execute", lambda _engine, _figure: None)
         yield
 
 
@@ -91,7 +101,7 @@ def quick_compilation(shared: Path | None = None) -> Iterator[None]:
     def make(
         compiler: toolchain.Compiler, flags: Sequence[str], units: Sequence[str], *others: Any, **named: Any
     ) -> None:
-        flags = quickly(flags) if KEPT.isdisjoint(units) else flags
+        flags = quickly(flags) if KEPT.isdisjoint(units) or _is_long(others[1]) else flags
         toolchain.make_library(compiler, flags, units, *others, **named)
 
     known: dict[tuple[str, ...], list[bytes]] = {}

@@ -1,5 +1,6 @@
 """The C of ensembles: no warning, no undefined behaviour, as many lanes as a compiler has, and the bits of one."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from lamc.examples import find
 from lamc.export.series import recording_of
 from lamc.run.request import Array
 from lamc.run.simulator import Simulator
-from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, output_of
+from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, objects_of, output_of
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
 from tests.support.mechanisms import ALL_PASSIVE, chain
@@ -141,8 +142,11 @@ def starts_of(sim: Simulator) -> Array:
     return starts
 
 
-def units(tree: SourceTree) -> list[str]:
-    return [*tree.compiled, *tree.machine, *tree.beside, "try.c"]
+def printed(tree: SourceTree, folder: Path, flags: Sequence[str], machine: Sequence[str]) -> list[str]:
+    """What `try.c` prints; `machine`: flags of the ensemble alone, as `lamc.codegen.build` has them."""
+    objects = objects_of(tree, folder, *flags, machine=machine)
+    cc(folder, *flags, *machine, "try.c", *objects, "-o", "try", "-lm")
+    return output_of(folder / "try").split()
 
 
 @needs_cc
@@ -155,8 +159,7 @@ def test_sanitizers_find_nothing_and_lanes_give_the_bits_of_one(
     name: str, method: str, tmp_path: Path
 ) -> None:
     tree = made(tmp_path, name, method)
-    cc(tmp_path, *SANITIZED, "-ffp-contract=off", *MACHINE, *units(tree), "-o", "try", "-lm")
-    width, ended, same = map(int, output_of(tmp_path / "try").split())
+    width, ended, same = map(int, printed(tree, tmp_path, (*SANITIZED, "-ffp-contract=off"), MACHINE))
     assert width in (2, 4, 8) or (width == 1 and name in LOOPS)
     assert ended == 13
     assert same
@@ -174,10 +177,9 @@ def test_other_machines_have_other_lanes_and_the_same_bits(
     if flags and flags[0].startswith("-m") and "avx2" not in Path("/proc/cpuinfo").read_text():
         pytest.skip("this machine has no AVX2")
     tree = made(tmp_path, name, "DOP853")
-    cc(tmp_path, *STRICT, "-O2", "-ffp-contract=off", *flags, *units(tree), "-o", "try", "-lm")
     if name in LOOPS and width == 2:
         width = 1  # two lanes cost loops more than they save
-    assert output_of(tmp_path / "try").split() == [str(width), "13", "1"]
+    assert printed(tree, tmp_path, (*STRICT, "-O2", "-ffp-contract=off"), flags) == [str(width), "13", "1"]
 
 
 @needs_cc
@@ -185,8 +187,7 @@ def test_long_equations_have_lanes_too(tmp_path: Path) -> None:
     """Thirty hinges are more statements than a block: kernels and tables of indices."""
     tree = made(tmp_path, "long", "RK45")
     assert "acceleration_kernel_" in tree.files[tree.machine[0]]
-    cc(tmp_path, *STRICT, "-O1", "-ffp-contract=off", *MACHINE, *units(tree), "-o", "try", "-lm")
-    assert output_of(tmp_path / "try").split()[1:] == ["13", "1"]
+    assert printed(tree, tmp_path, (*STRICT, "-O1", "-ffp-contract=off"), MACHINE)[1:] == ["13", "1"]
 
 
 def test_the_c_of_a_model_is_the_same_with_lanes_beside_it() -> None:

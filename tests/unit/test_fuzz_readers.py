@@ -155,7 +155,7 @@ def networks(draw: st.DrawFn) -> tuple[list[str], int]:
     return [*lines, f"scene: {{angles: {angles}}}"], len(joints)
 
 
-@settings(FEW, max_examples=tries(300))
+@settings(FEW, max_examples=tries(150))
 @given(network=networks())
 def test_networks_of_any_shape_are_mechanisms_or_errors_with_their_line(
     tmp_path: Path, network: tuple[list[str], int]

@@ -121,7 +121,7 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
     return {"scenes": {name: one() for name in names}} | ({"scene": one()} if draw(st.booleans()) else {})
 
 
-@settings(FEW, max_examples=tries(400))
+@settings(FEW, max_examples=tries(200))
 @given(data=scenes())
 def test_scenes_of_any_kind_are_read_or_refused_at_their_line(tmp_path: Path, data: dict[str, Any]) -> None:
     text = json.dumps(data, indent=1)

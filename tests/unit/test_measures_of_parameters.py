@@ -72,6 +72,7 @@ def test_a_sweep_measures_with_what_is_varied() -> None:
         assert table.values["reach"][k] == length * math.sin(table.values["end"][k])
 
 
+@pytest.mark.slow
 def test_the_largest_rectangle_under_a_line() -> None:
     """length * mass is most where length + 10 mass = 0.4 halves: 0.2 and 0.02, in closed form."""
     best = lamc.optimise(

@@ -34,10 +34,13 @@ def make(target: str, out: Path, *settings: str) -> str:
     return done.stdout
 
 
+QUICK = [f"OPT={LEVEL}", f"OPT_SANITIZED={LEVEL}"]
+
+
 @pytest.mark.parametrize("target", ["test", "sanitize"])
 @pytest.mark.quick("test")
 def test_runtime_passes_its_own_tests(target: str, tmp_path: Path, pytestconfig: pytest.Config) -> None:
-    settings = [] if pytestconfig.getoption("--as-shipped") else [f"OPT={LEVEL}"]
+    settings = [] if pytestconfig.getoption("--as-shipped") else QUICK
     counts = re.findall(r"^(\d+) passed, (\d+) failed$", make(target, tmp_path, *settings), re.MULTILINE)
     assert len(counts) == len(list((RUNTIME / "tests").glob("test_*.c")))
     assert all(int(passed) > 0 and failed == "0" for passed, failed in counts)
@@ -51,7 +54,7 @@ def test_steps_of_fixed_length_compile_in_single_precision(tmp_path: Path) -> No
 def test_threads_share_a_model_under_the_thread_sanitizer(tmp_path: Path) -> None:
     if not sanitizer_works(tmp_path, "-fsanitize=thread"):
         pytest.skip("this compiler, or this kernel, has no thread sanitizer")
-    assert re.search(r"^\d+ passed, 0 failed$", make("tsan", tmp_path), re.MULTILINE)
+    assert re.search(r"^\d+ passed, 0 failed$", make("tsan", tmp_path, *QUICK[1:]), re.MULTILINE)
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")

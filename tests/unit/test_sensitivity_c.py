@@ -9,7 +9,7 @@ from lamc.codegen.emit import SourceTree, emit
 from lamc.codegen.emit_tangents import emit_tangents
 from lamc.mechanics.lower import lower
 from lamc.mechanics.tangents import Columns
-from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, output_of
+from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, objects_of, output_of
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
 
@@ -129,15 +129,15 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
 )
 def test_sanitizers_find_nothing_and_slices_do_not_matter(name: str, method: str, tmp_path: Path) -> None:
     tree = made(tmp_path, name, method)
-    units = [*tree.compiled, *tree.machine, *tree.beside, "try.c"]
-    cc(tmp_path, *SANITIZED, "-ffp-contract=off", *units, "-o", "try", "-lm")
+    cc(tmp_path, *SANITIZED, "try.c", *objects_of(tree, tmp_path, *SANITIZED), "-o", "try", "-lm")
     assert output_of(tmp_path / "try").split() == ["0", "1", "1"]
 
 
 @needs_cc
 def test_its_c_has_no_warnings(tmp_path: Path) -> None:
     tree = made(tmp_path, "joint_limits", "AUTO")
-    cc(tmp_path, *STRICT, "-O2", *tree.compiled, *tree.machine, *tree.beside, "try.c", "-o", "try", "-lm")
+    flags = (*STRICT, "-O2", "-ffp-contract=off")
+    cc(tmp_path, *flags, "try.c", *objects_of(tree, tmp_path, *flags), "-o", "try", "-lm")
 
 
 def test_the_c_of_a_model_is_the_same_beside_it() -> None:

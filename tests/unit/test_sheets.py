@@ -11,6 +11,7 @@ from lamc.design.split import split
 from lamc.examples.miura import _corner, miura
 from lamc.loops.cycles import Kind, short_cycles
 from lamc.mechanism.plan import plan
+from lamc.readers.inert import Limits
 from lamc.readers.load import load_text
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
@@ -158,10 +159,26 @@ def test_a_sheet_in_two_pieces_is_told_with_their_number() -> None:
         made(text)
 
 
-@pytest.mark.slow
-def test_ten_thousand_facets_are_refused_with_what_they_would_take() -> None:
-    """The limit is passed at half of the file; 760 000 values are estimated from there."""
-    with pytest.raises(
-        DesignError, match=r"limit 'values' of 400000.*: [67]\d0000 or so, .* some \d\d s and \d\d\d MB"
-    ):
-        load_text(miura(100, 100), "sheet.yaml")
+@pytest.mark.parametrize(
+    ("size", "limits", "told"),
+    [
+        (
+            32,
+            Limits(values=40_000),
+            r"limit 'values' of 40000.*: 6[0-3]000 or so, .* some [1-9] s and \d\d MB",
+        ),
+        pytest.param(
+            100,
+            Limits(),
+            r"limit 'values' of 400000.*: [67]\d0000 or so, .* some \d\d s and \d\d\d MB",
+            marks=pytest.mark.campaign,
+        ),
+    ],
+)
+def test_ten_thousand_facets_are_refused_with_what_they_would_take(
+    size: int, limits: Limits, told: str
+) -> None:
+    """The limit is passed at half of the file; 760 000 values are estimated from there. A tenth of both: 62 000, which
+    is what reading it takes."""
+    with pytest.raises(DesignError, match=told):
+        load_text(miura(size, size), "sheet.yaml", limits=limits)

@@ -11,8 +11,9 @@ static one, a type or a macro of a source is its own. Members of structs keep th
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
-from lamc.export.amalgam.tokens import QUIET, Item, Token, head_comment, items, names_in, tokens
+from lamc.export.amalgam.tokens import QUIET, Item, Token, head_comment, items, tokens
 
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
@@ -33,13 +34,22 @@ class Amalgam:
     system_headers: tuple[str, ...]  # that the files include, in order of their names
 
 
+@dataclass(frozen=True)
+class _Parsed:
+    """A file by itself."""
+
+    head: str
+    includes: tuple[str, ...]  # as they are written, in their order
+    items: tuple[Item, ...]
+
+
 class _Reader:
     """Files in the order in which a compiler would meet them, each once."""
 
     def __init__(
         self, files: Mapping[str, str], replaced: Mapping[str, str], defined: Collection[str]
     ) -> None:
-        self._files, self._replaced, self._defined = files, replaced, defined
+        self._files, self._replaced, self._defined = files, replaced, frozenset(defined)
         self.units: dict[str, Unit] = {}
         self.system: set[str] = set()
 
@@ -47,14 +57,11 @@ class _Reader:
         if file in self.units or file not in self._files:
             return
         name, _, suffix = file.rpartition(".")
-        text = self._files[file]
-        head = head_comment(text)
-        stream = tokens(text)
-        if head:
-            stream = stream[next(i for i, t in enumerate(stream) if t.kind == "comment") + 1 :]
-        kept = list(self._without_guards(stream))
-        found = [self._put_in_place(item) for item in items(name, kept)]
-        self.units[file] = Unit(name, suffix == "h", head, tuple(found))
+        parsed = _parsed(file, self._files[file], self._defined)
+        for subject in parsed.includes:
+            self._include(subject)
+        found = tuple(self._put_in_place(item) for item in parsed.items)
+        self.units[file] = Unit(name, suffix == "h", parsed.head, found)
 
     def _put_in_place(self, item: Item) -> Item:
         """An item, or what stands in its place."""
@@ -65,32 +72,6 @@ class _Reader:
                 return replace(other, gap=item.gap)
         return item
 
-    def _without_guards(self, stream: Sequence[Token]) -> Iterator[Token]:
-        """Includes are read and left out, and so are include guards, extern "C" and groups that `defined` decides."""
-        groups: list[bool | None] = []  # open ones: whether the text counts; None: the compiler decides
-        for position, token in enumerate(stream):
-            if token.kind != "directive":
-                if False not in groups:
-                    yield token
-                continue
-            word, _, rest = token.text[1:].strip().partition(" ")
-            subject = rest.strip().split(" ")[0]
-            is_decided = False
-            if word in ("if", "ifdef", "ifndef"):
-                groups.append(self._decide(word, subject, stream, position))
-                is_decided = groups[-1] is not None
-            elif word == "endif":
-                is_decided = groups.pop() is not None
-            elif word == "else" and groups[-1] is not None:
-                groups[-1] = not groups[-1]
-                is_decided = True
-            if is_decided or False in groups:
-                continue
-            if word == "include":
-                self._include(subject)
-            elif not (word == "define" and subject.endswith("_H")):
-                yield token
-
     def _include(self, subject: str) -> None:
         file = subject.strip('<>"')
         if subject.startswith("<") and file not in self._files:
@@ -98,16 +79,60 @@ class _Reader:
         else:
             self.read(file)
 
-    def _decide(self, word: str, subject: str, stream: Sequence[Token], position: int) -> bool | None:
-        """Whether the text of a group counts; None: the compiler decides."""
-        if word == "ifndef" and subject.endswith("_H"):
-            return True
-        if subject == "__cplusplus":
-            after = [token for token in stream[position + 1 : position + 4] if token.kind not in QUIET]
-            return False if after and after[0].text in ("extern", "}") else None
-        if word in ("ifdef", "ifndef") and subject.startswith("LAMC_"):
-            return (subject in self._defined) == (word == "ifdef")
-        return None
+
+@lru_cache(maxsize=256)  # the runtime has fifty files, which every export of a process reads
+def _parsed(file: str, text: str, defined: frozenset[str]) -> _Parsed:
+    head = head_comment(text)
+    stream = tokens(text)
+    if head:
+        stream = stream[next(i for i, t in enumerate(stream) if t.kind == "comment") + 1 :]
+    includes: list[str] = []
+    kept = list(_without_guards(stream, defined, includes))
+    return _Parsed(head, tuple(includes), tuple(items(file.rpartition(".")[0], kept)))
+
+
+def _without_guards(
+    stream: Sequence[Token], defined: Collection[str], includes: list[str]
+) -> Iterator[Token]:
+    """Includes are left out and listed in `includes`; include guards, extern "C" and groups that `defined` decides are
+    left out too."""
+    groups: list[bool | None] = []  # open ones: whether the text counts; None: the compiler decides
+    for position, token in enumerate(stream):
+        if token.kind != "directive":
+            if False not in groups:
+                yield token
+            continue
+        word, _, rest = token.text[1:].strip().partition(" ")
+        subject = rest.strip().split(" ")[0]
+        is_decided = False
+        if word in ("if", "ifdef", "ifndef"):
+            groups.append(_decide(word, subject, stream, position, defined))
+            is_decided = groups[-1] is not None
+        elif word == "endif":
+            is_decided = groups.pop() is not None
+        elif word == "else" and groups[-1] is not None:
+            groups[-1] = not groups[-1]
+            is_decided = True
+        if is_decided or False in groups:
+            continue
+        if word == "include":
+            includes.append(subject)
+        elif not (word == "define" and subject.endswith("_H")):
+            yield token
+
+
+def _decide(
+    word: str, subject: str, stream: Sequence[Token], position: int, defined: Collection[str]
+) -> bool | None:
+    """Whether the text of a group counts; None: the compiler decides."""
+    if word == "ifndef" and subject.endswith("_H"):
+        return True
+    if subject == "__cplusplus":
+        after = [token for token in stream[position + 1 : position + 4] if token.kind not in QUIET]
+        return False if after and after[0].text in ("extern", "}") else None
+    if word in ("ifdef", "ifndef") and subject.startswith("LAMC_"):
+        return (subject in defined) == (word == "ifdef")
+    return None
 
 
 def public_functions(header: str, prefix: str) -> list[str]:
@@ -230,7 +255,7 @@ def _reached(units: Sequence[Unit], names: _Names, public: Collection[str]) -> s
         if id(item) in reached:
             continue
         reached.add(id(item))
-        for name in names_in(item):
+        for name in item.names:
             key = names.key(name, item.unit)
             waiting += by_key.get(key, []) if key is not None else []
     return reached
@@ -244,25 +269,34 @@ def _printed(item: Item, names: _Names, public: Collection[str]) -> str:
     if needs_static and any(name in public for name in item.declares):
         needs_static = False
     depth = 0
-    for position, token in enumerate(item.tokens):
+    before, behind = "", _followers(item.tokens)
+    for token, after in zip(item.tokens, behind, strict=True):
         text = token.text
         if token.kind == "comment":
             text = names.renamed_words(text, item.unit)
         elif token.kind == "directive":
             text = _WORD.sub(lambda match: names.renamed(match.group(), item.unit), text)
-        elif token.kind == "name" and not _is_member(item.tokens, position, is_struct and depth > 0):
+        elif token.kind == "name" and not _is_member(before, after, is_struct and depth > 0):
             text = names.renamed(text, item.unit)
-        if needs_static and token.kind not in QUIET:
-            text, needs_static = f"static {text}", False
+        if token.kind not in QUIET:
+            before = token.text
+            if needs_static:
+                text, needs_static = f"static {text}", False
         depth += (token.text == "{") - (token.text == "}")
         out.append(text)
     return "".join(out)
 
 
-def _is_member(stream: Sequence[Token], position: int, is_in_struct: bool) -> bool:
-    """Whether a name is that of a member: after . or ->, or where a struct declares it."""
-    before = next((t.text for t in reversed(stream[:position]) if t.kind not in QUIET), "")
-    if before in (".", "->"):
-        return True
-    after = next((t.text for t in stream[position + 1 :] if t.kind not in QUIET), "")
-    return is_in_struct and after in (";", "[", ",", ")", ":")
+def _followers(stream: Sequence[Token]) -> list[str]:
+    """For each token the text of the next one that is neither space nor comment; empty behind the last."""
+    found, after = [], ""
+    for token in reversed(stream):
+        found.append(after)
+        if token.kind not in QUIET:
+            after = token.text
+    return found[::-1]
+
+
+def _is_member(before: str, after: str, is_in_struct: bool) -> bool:
+    """Whether a name between two tokens is that of a member: after . or ->, or where a struct declares it."""
+    return before in (".", "->") or (is_in_struct and after in (";", "[", ",", ")", ":"))

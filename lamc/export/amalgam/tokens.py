@@ -8,7 +8,7 @@ that it declares. Never: expands macros, or looks at types.
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -50,7 +50,18 @@ class Item:
     declares: tuple[str, ...]
     gap: int  # empty lines before it
 
-    @property
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Every identifier, once, those of directives too."""
+        found: dict[str, None] = {}
+        for token in self.tokens:
+            if token.kind == "name":
+                found[token.text] = None
+            elif token.kind == "directive":
+                found.update(dict.fromkeys(re.findall(r"[A-Za-z_]\w*", token.text)))
+        return tuple(found)
+
+    @cached_property
     def significant(self) -> list[Token]:
         return [token for token in self.tokens if token.kind not in QUIET]
 
@@ -67,15 +78,6 @@ def tokens(text: str) -> tuple[Token, ...]:
 
 def _scan(text: str) -> Iterator[Token]:
     return (Token(str(match.lastgroup), match.group()) for match in _LEXER.finditer(text))
-
-
-def names_in(item: Item) -> Iterator[str]:
-    """Every identifier of an item, those of its directives too."""
-    for token in item.tokens:
-        if token.kind == "name":
-            yield token.text
-        elif token.kind == "directive":
-            yield from re.findall(r"[A-Za-z_]\w*", token.text)
 
 
 def items(unit: str, stream: Sequence[Token]) -> list[Item]:

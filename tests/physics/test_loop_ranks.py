@@ -103,6 +103,7 @@ def test_a_triangulated_sheet_has_three_freedoms_fewer_than_vertices_on_its_edge
     assert (found.rank, found.freedoms) == (3 * (count - 1) ** 2, 4 * count - 3)
 
 
+@pytest.mark.slow
 def test_sparse_and_dense_algebra_agree() -> None:
     """Of a closure of 480 hinges near its flat position: small singular values, null space, least change."""
     geometry = LoopGeometry(plan(sheet(folded_miura(16, theta=1e-2))))

@@ -44,7 +44,7 @@ def runs(of: Search, workers: int) -> list[tuple[object, ...]]:
 
 
 @pytest.mark.parametrize("method", ["least-squares", "slsqp", "nelder-mead", "evolution", "cma-es"])
-@pytest.mark.quick("least-squares", "evolution")
+@pytest.mark.quick("evolution")
 @pytest.mark.ci("least-squares", "nelder-mead", "evolution")  # each start by itself; generations
 def test_runs_do_not_depend_on_how_many_processes_made_them(method: str) -> None:
     if method == "cma-es":
@@ -54,6 +54,7 @@ def test_runs_do_not_depend_on_how_many_processes_made_them(method: str) -> None
     assert one == three
 
 
+@pytest.mark.slow
 def test_a_front_does_not_depend_on_it() -> None:
     pytest.importorskip("pymoo")
     goals = [GOAL, "max(abs(hip.rate))"]
@@ -121,6 +122,7 @@ def test_a_goal_travels_with_its_squares() -> None:
     assert (again.text, again.unit, again.is_root, len(again.parts)) == (goal.text, "rad", True, 1)
 
 
+@pytest.mark.slow
 def test_a_crew_answers_many_who_ask_and_a_process_that_dies_costs_one_point() -> None:
     of = search_of(studied.rod, {"hip.stiffness": (1.0, 4.0)}, studied.deadly, run=RUN)
     trier = of._trier()

@@ -44,7 +44,7 @@ def attempt(folder: Path, data: bytes) -> None:
     """Reads the bytes as a file; anything but a record or a LamcError escapes and fails the test."""
     file = folder / "fuzzed"
     file.write_bytes(data)
-    began = time.monotonic()
+    began = time.process_time()
     message = "a record"
     try:
         load(file, limits=LIMITS)
@@ -52,7 +52,7 @@ def attempt(folder: Path, data: bytes) -> None:
         message = str(error)
     assert message
     assert all(len(line) < 2000 for line in message.splitlines())
-    assert time.monotonic() - began < PATIENCE
+    assert time.process_time() - began < PATIENCE
     assert not (folder / "pwned").exists()
 
 

@@ -127,7 +127,7 @@ def test_scenes_of_any_kind_are_read_or_refused_at_their_line(tmp_path: Path, da
     text = json.dumps(data, indent=1)
     file = tmp_path / "s.yaml"
     file.write_text(text, encoding="utf-8")
-    began = time.monotonic()
+    began = time.process_time()
     read: dict[str, lamc.Scene] = {}
     reported = ""
     for name in [*data["scenes"], None]:
@@ -138,7 +138,7 @@ def test_scenes_of_any_kind_are_read_or_refused_at_their_line(tmp_path: Path, da
             assert all(line.startswith(f"{file}:") or "say which" in line or "has no scene" in line
                        for line in reported.splitlines()), reported  # fmt: skip
             assert all(len(line) < 2000 for line in reported.splitlines())
-    assert time.monotonic() - began < PATIENCE
+    assert time.process_time() - began < PATIENCE
     assert not (tmp_path / "pwned").exists()
     event("read" if read else "refused")
     for scene in read.values():
@@ -168,14 +168,14 @@ def test_damaged_scenes_are_scenes_or_errors(tmp_path: Path, data: st.DataObject
     patch = data.draw(st.one_of(st.sampled_from(FRAGMENTS), st.text(max_size=5)))
     file = tmp_path / "s.yaml"
     file.write_bytes((SCENES[:start] + patch + SCENES[start + length :]).encode("utf-8", "surrogatepass"))
-    began = time.monotonic()
+    began = time.process_time()
     reported = "a scene"
     try:
         load_scene(file, "heavier", limits=LIMITS)
     except LamcError as error:
         reported = str(error)
     assert reported
-    assert time.monotonic() - began < PATIENCE
+    assert time.process_time() - began < PATIENCE
     assert not (tmp_path / "pwned").exists()
 
 
@@ -203,11 +203,11 @@ def test_damaged_scenes_are_scenes_or_errors(tmp_path: Path, data: st.DataObject
 )  # fmt: skip
 @pytest.mark.quick("text[134579]", "text10", "a:*")
 def test_scenes_made_to_exhaust_end_soon(text: str) -> None:
-    began = time.monotonic()
+    began = time.process_time()
     reported = ""
     try:
         scene_of_text(text, "s.yaml", None, limits=Limits(bytes=2_000_000, nodes=200_000, depth=100))
     except LamcError as error:
         reported = str(error)
     assert all(len(line) < 2000 for line in reported.splitlines())
-    assert time.monotonic() - began < PATIENCE
+    assert time.process_time() - began < PATIENCE

@@ -6,13 +6,13 @@ from pathlib import Path
 import pytest
 
 import lamc
-from lamc import pipeline
 from lamc.codegen.cache import Cache
 from lamc.examples import path
 from lamc.loops.kept import kept_loops
 from lamc.loops.misfit import Misfit
 from lamc.loops.rank import Found, LoopCount
 from lamc.loops.starts import Starter
+from lamc.run import scene_loops
 from tests.support.ctools import needs_cc
 
 COUNT = LoopCount(
@@ -52,8 +52,8 @@ def test_a_cache_that_cannot_be_written_costs_a_count_only(tmp_path: Path) -> No
 def test_a_warm_start_counts_no_loops(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cache, design = Cache(tmp_path / "cache"), lamc.load(path("four_bar"))
     counted = []
-    loops_of = pipeline.loops_of
-    monkeypatch.setattr(pipeline, "loops_of", lambda *given: counted.append(1) or loops_of(*given))
+    loops_of = scene_loops.loops_of
+    monkeypatch.setattr(scene_loops, "loops_of", lambda *given: counted.append(1) or loops_of(*given))
     first = lamc.compile(design, cache=cache).loops
     assert lamc.compile(design, cache=cache).loops == first
     assert len(counted) == 1

@@ -2,7 +2,8 @@
 
     python -m benchmarks.gradients [--quick]
 
-First, examples with 1 to 20 derivatives, over the run without them: `sim.run` as users call it. Then a chain of 24
+First, examples with 1 to 20 derivatives, over the run without them: `sim.run` as users call it; and the gradient of
+one number by all parameters. Then a chain of 24
 hinges in space, by 10 to 200 of its numbers: sensitivities, and the gradient of one measure by the run backwards, a
 run that keeps its steps included. Processor time; what is compiled the first time is told beside it. Then the paper's
 triple pendulum, differentiated by stiffness and damping of its hinges: of each program the fastest run whose
@@ -56,7 +57,12 @@ def of_examples(repeats: int) -> None:
         def job(names: list[str], sim: lamc.Simulator = sim, times: Array = times) -> Callable[[], object]:
             return lambda: sim.run(t_end=float(times[-1]), t_eval=times, sensitivities=names)
 
-        jobs = {str(count): job(known[:count]) for count in (0, *counts)}
+        def backwards(sim: lamc.Simulator = sim, times: Array = times) -> object:
+            result = sim.run(t_end=float(times[-1]), t_eval=times, taped=True)
+            return result.gradient(f"last({sim.joints[0]})")
+
+        jobs: dict[str, Callable[[], object]] = {str(count): job(known[:count]) for count in (0, *counts)}
+        jobs["backwards"] = backwards
         for each in jobs.values():
             each()
         best = interleaved(jobs, repeats)
@@ -72,6 +78,9 @@ def of_examples(repeats: int) -> None:
                     f"{1 + 0.4 * count:.1f}",
                 ]
             )
+        took = best["backwards"]
+        every = f"{len(sim.parameters)}, of one number"
+        rows.append([name, every, seconds(best["0"]), seconds(took), f"{took / best['0']:.2f}", "-"])
     print(table(["example", "derivatives", "run", "with them", "ratio", "asked"], rows))
 
 

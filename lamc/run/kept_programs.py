@@ -16,7 +16,7 @@ from lamc.codegen.module import Module, load_module
 from lamc.codegen.options import CompileOptions
 from lamc.codegen.toolchain import Compiler
 from lamc.mechanics.survey import Survey
-from lamc.mechanics.tangents import Columns
+from lamc.run.extended import Extras
 from lamc.run.input_digest import own_sources
 from lamc.run.model import DesignNumbers
 from lamc.symbolic.program import Program
@@ -48,36 +48,6 @@ class KeptStructure:
     entry: str
     parameters: tuple[str, ...]
     keys: tuple[DrawnKey, ...]
-
-
-@dataclass(frozen=True)
-class Extras:
-    """What a module offers beside the model. Each is a module of its own, made when it is asked for: in every model
-    powers would be a tenth of the C (100 hinges: 652 instead of 591 kB, 1.89 instead of 1.77 s of gcc), lanes half.
-
-    energy_balance  powers of the effects
-    lanes           steps of several runs side by side
-    columns         derivatives of the equations by these
-    pullbacks       derivatives of weighted sums of what the equations give
-    """
-
-    energy_balance: bool = False
-    lanes: bool = False
-    columns: Columns | None = None
-    pullbacks: bool = False
-
-    def __str__(self) -> str:
-        columns = "" if self.columns is None else f" columns {self.columns!r}"
-        pullbacks = " pullbacks" if self.pullbacks else ""
-        return f"powers {self.energy_balance} lanes {self.lanes}{columns}{pullbacks}"
-
-    @property
-    def is_of_machine(self) -> bool:
-        """Whether parts are compiled for this very machine."""
-        return self.lanes or self.pullbacks or self.columns is not None
-
-
-PLAIN = Extras()
 
 
 def numbers_of(program: Program) -> DesignNumbers:

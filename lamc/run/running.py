@@ -5,51 +5,27 @@ In: a motion, a checked request. Out: a `Result`, with its provenance. Never: lo
 
 import logging
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 from lamc.basics._version import __version__
-from lamc.basics.errors import RequestError
 from lamc.basics.once import lazy
-from lamc.loops.rank import LoopCount
-from lamc.records.effect import Effect, PlaneMark, marks_of
-from lamc.records.mechanism import Mechanism
-from lamc.records.scene import Scene
+from lamc.records.effect import PlaneMark, marks_of
 from lamc.run import integrators
 from lamc.run.ending import message
 from lamc.run.energy_balance import Kept
-from lamc.run.following import series_of
-from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
-from lamc.run.remaking import Recipe
+from lamc.run.extended import Extended
+from lamc.run.model import Motion
 from lamc.run.request import Request
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.sensitivities import Differentiated
-from lamc.run.starting import Starting
 
 logger = logging.getLogger("lamc")
 
 
-class Running(Starting):
+class Running(Extended):
     """The part of a `Simulator` that makes results of motions."""
-
-    def __init__(
-        self,
-        module: CompiledModule,
-        recipe: Recipe | None,
-        numbers: DesignNumbers | None,
-        energy_balance: Callable[[], tuple[CompiledModule, DesignNumbers]] | None,
-        mechanism: Mechanism,
-        scene: Scene,
-        effects: Sequence[Effect],
-        loops: LoopCount | None,
-    ) -> None:
-        super().__init__(
-            Model(module, recipe, numbers=numbers, series=series_of(scene)), mechanism, scene, effects, loops
-        )
-        self._module = module
-        self._recipe = recipe
-        self._energy_balance = energy_balance
 
     def _integrated(
         self,
@@ -103,14 +79,6 @@ class Running(Starting):
         )
         logger.info("run of %r: %s, in %.3g s", self._model.name, result.message, wall_time)
         return result, trajectory.effort
-
-    @lazy
-    def telling(self) -> Model:
-        """The model that tells powers."""
-        if self._energy_balance is None:
-            raise RequestError("this simulator was made by hand and tells no powers; use lamc.compile")
-        module, numbers = self._energy_balance()
-        return Model(module, self._recipe, tells=True, numbers=numbers, series=series_of(self.scene))
 
     def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:
         """Where a result comes from, and what its pictures show besides the bodies."""

@@ -7,15 +7,14 @@ It never changes; runs share nothing but the compiled code.
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy.typing as npt
 
-from lamc.basics.errors import RequestError, UnsupportedError, warn
+from lamc.basics.errors import UnsupportedError, warn
 from lamc.basics.moved import superseded
-from lamc.basics.once import lazy, remembered
+from lamc.basics.once import lazy
 from lamc.basics.places import located_at
 from lamc.basics.progress import part_told
 from lamc.basics.seen import Viewable
@@ -30,8 +29,9 @@ from lamc.run.arguments import check_names, checked_rate
 from lamc.run.defaults import DURATION
 from lamc.run.differentiating import Made, with_derivatives
 from lamc.run.evaluations import NO_PARAMETERS
-from lamc.run.following import series_of, with_series
-from lamc.run.model import CompiledModule, DesignNumbers, Model, Motion
+from lamc.run.extended import Modules
+from lamc.run.following import with_series
+from lamc.run.model import CompiledModule, DesignNumbers, Motion
 from lamc.run.operating_points import OperatingPoints
 from lamc.run.outputs import check_outputs
 from lamc.run.parameters import checked_parameters, with_limits
@@ -46,12 +46,10 @@ from lamc.run.topology import changes
 
 if TYPE_CHECKING:  # what a compiled module from the cache does without
     from lamc.mechanics.equations import Equations
-    from lamc.mechanics.tangents import Columns
     from lamc.records.design import Design
     from lamc.records.series import Series
     from lamc.run.ensemble import Ensemble
     from lamc.symbolic.program import Program
-    from lamc.symbolic.staging import DrawnKey
 
 logger = logging.getLogger("lamc")
 _T = TypeVar("_T")
@@ -84,29 +82,20 @@ class Simulator(Running, OperatingPoints, Viewable):
         module: CompiledModule,
         numbers: DesignNumbers | None = None,
         loops: LoopCount | None = None,
-        energy_balance: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
         recipe: Recipe | None = None,
-        lanes: Callable[[], tuple[CompiledModule, DesignNumbers]] | None = None,
-        columns: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]] | None" = None,
-        pullbacks: "Callable[[], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]] | None" = None,
+        modules: Modules | None = None,
     ) -> None:
         """`equations` and `program` may be functions without arguments, called when they are first asked for.
         numbers: of the design; None: those that the C was printed with.
         loops: what the mechanism's loops come to; None: counted when it is first asked for.
-        energy_balance: makes the module that also tells powers; None: there is none to be had.
         recipe: what it can be made from again, in another process; None: it cannot be pickled.
-        lanes: makes the module that runs ensembles; None: there is none to be had.
-        columns: makes the module with derivatives by what it is given; None: there is none to be had.
-        pullbacks: makes the module that takes gradients; None: there is none to be had.
+        modules: makes modules with more than the model; None: there are none to be had.
 
         Raises RequestError if the scene starts a joint that is not there.
         """
-        super().__init__(module, recipe, numbers, energy_balance, mechanism, scene, effects, loops)
+        super().__init__(module, recipe, numbers, modules, mechanism, scene, effects, loops)
         self._equations = equations
         self._program = program
-        self._lanes = lanes
-        self._columns = None if columns is None else remembered(partial(_model_of, columns, series_of(scene)))
-        self._pullbacks = pullbacks
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
@@ -277,20 +266,6 @@ class Simulator(Running, OperatingPoints, Viewable):
                 lambda name, asked: self._integrated(name, asked, plain, telling, found)[0],
             )
 
-    def with_columns(self, columns: "Columns") -> "tuple[Model, tuple[DrawnKey, ...]]":
-        """The model that also has derivatives by these, and the keys of its numbers of the drawing."""
-        if self._columns is None:
-            raise RequestError("this simulator was made by hand and has no derivatives; use lamc.compile")
-        return self._columns(columns)
-
-    @lazy
-    def with_pullbacks(self) -> "tuple[Model, tuple[DrawnKey, ...]]":
-        """The model that takes gradients of runs, and the keys of its numbers of the drawing."""
-        if self._pullbacks is None:
-            raise RequestError("this simulator was made by hand and has no gradients; use lamc.compile")
-        module, numbers, keys = self._pullbacks()
-        return Model(module, numbers=numbers, series=series_of(self.scene)), keys
-
     def _request(
         self,
         t_end: float | str | None,
@@ -351,9 +326,9 @@ class Simulator(Running, OperatingPoints, Viewable):
         side_by_side  False: one run after the other on each thread, for comparison
 
         t_end, rtol, atol, integrator, max_steps and max_step as for `run`; of integrators lamc's own. Implicit ones,
-        and mechanisms with loops, run one after the other on each thread; `Ensemble.stats` says so. An instance that
-        fails is one with its `status`, and NaN in the rows that it did not reach; Ctrl-C keeps what there is. The first
-        call compiles code for this very machine.
+        and mechanisms with loops of more than ten hinges, run one after the other on each thread; `Ensemble.stats` says
+        so. An instance that fails is one with its `status`, and NaN in the rows that it did not reach; Ctrl-C keeps
+        what there is. The first call compiles code for this very machine.
 
         Raises RequestError for arguments that make no ensemble, BuildError where the compiler fails."""
         from lamc.run.ensembles import ensemble_of
@@ -368,22 +343,6 @@ class Simulator(Running, OperatingPoints, Viewable):
     ) -> Result:
         """A run of `motion`, which has these parameters, from a start of its own. Checks nothing."""
         return self._integrated(integrator, request, motion, Telling(self, self._recipe, parameters, 0.0))[0]
-
-    @lazy
-    def lanes(self) -> CompiledModule:
-        """The module that runs ensembles, compiled when it is first asked for."""
-        if self._lanes is None:
-            raise RequestError("this simulator was made by hand and runs no ensembles; use lamc.compile")
-        return self._lanes()[0]
-
-
-def _model_of(
-    modules: "Callable[[Columns], tuple[CompiledModule, DesignNumbers, tuple[DrawnKey, ...]]]",
-    series: "Mapping[str, Series]",
-    columns: "Columns",
-) -> "tuple[Model, tuple[DrawnKey, ...]]":
-    module, numbers, keys = modules(columns)
-    return Model(module, numbers=numbers, series=series), keys
 
 
 def _settled(value: _T | Callable[[], _T]) -> _T:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import lamc
-from lamc import pipeline
 from lamc.codegen.cache import Cache
 from lamc.codegen.emit import emit
 from lamc.codegen.options import CompileOptions
@@ -18,6 +17,7 @@ from lamc.mechanics.derive import derive
 from lamc.mechanics.lower import lower
 from lamc.mechanics.tangents import Columns
 from lamc.mechanism.plan import plan
+from lamc.pipeline import job, stages
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from tests.physics.test_flat_sheets import loaded
@@ -81,13 +81,13 @@ SHEETS: dict[str, Callable[[Path], tuple[Mechanism, Scene]]] = {
 def passes(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
     """Of each time that equations are derived, whether."""
     derived: list[bool] = []
-    own = pipeline.equations_of
+    own = stages.equations_of
 
     def counted(*args: object) -> object:
         derived.append(True)
         return own(*args)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(pipeline, "equations_of", counted)
+    monkeypatch.setattr(job, "equations_of", counted)
     return derived
 
 
@@ -123,12 +123,7 @@ def test_what_runs_on_a_branch_is_compiled_from_such_equations(
         with monkeypatch.context() as patched:
             patched.setenv("LAMC_CACHE_DIR", str(tmp_path / f"cache{reuse}"))
             if not reuse:
-                own = pipeline._compiled
-
-                def anew(*args: object, own: Callable[..., object] = own) -> object:
-                    return own(*args[:6])
-
-                patched.setattr(pipeline, "_compiled", anew)
+                patched.setattr(job.Job, "on_branch", lambda of, loops: replace(of, branch=loops))
             sim = lamc.compile(mechanism, Scene())
             run = sim.run(0.05, rtol=1e-8, energy_balance=True)
             assert run.success, run.message

@@ -382,7 +382,7 @@ def test_a_module_with_derivatives_is_known_by_its_design(
     columns = Columns(("gravity.z",), ())
     first, keys = lamc.compile(example("pendulum"), cache=cache).with_columns(columns)
     again = lamc.compile(example("pendulum"), cache=cache)
-    monkeypatch.setattr("lamc.pipeline.survey_design", None)  # whatever asks for it fails
+    monkeypatch.setattr("lamc.pipeline.job.survey_design", None)  # whatever asks for it fails
     second, same = again.with_columns(columns)
     assert keys
     assert same == keys

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 
 import lamc
-from lamc import pipeline
 from lamc.codegen.cache import Cache
 from lamc.examples import path
+from lamc.pipeline import job
 from lamc.records.design import Design
 from lamc.run import kept_programs
 from tests.support.ctools import needs_cc
@@ -37,8 +37,8 @@ def test_what_drawings_have_in_common_is_looked_for_once_and_stays_behind(
     """Compiled code and compiler of a simulator serve those made of it, as long as they are of its structure; another
     process looks for both itself."""
     looked = []
-    find, known = pipeline.find_compiler, kept_programs.kept_structure
-    monkeypatch.setattr(pipeline, "find_compiler", lambda *a, **k: looked.append("cc") or find(*a, **k))
+    find, known = job.find_compiler, kept_programs.kept_structure
+    monkeypatch.setattr(job, "find_compiler", lambda *a, **k: looked.append("cc") or find(*a, **k))
     monkeypatch.setattr(kept_programs, "kept_structure", lambda *a: looked.append("structure") or known(*a))
     design = lamc.load(path("four_bar"))
     assert isinstance(design, Design)

@@ -5,6 +5,7 @@ Goes in: a Function that is too long for one block. Comes out: its routines, tab
 
 from collections.abc import Iterable
 from fractions import Fraction
+from functools import cached_property
 
 from lamc.codegen.dispatch import dispatch
 from lamc.codegen.names import comment
@@ -134,9 +135,13 @@ class Long:
 
     def _largest_index(self) -> int:
         """No table holds more than this."""
-        operands = [o.index for s in self.function.statements for o in s.operands]
+        return max(self.layout.size, len(self.literals), self._largest_operand)
+
+    @cached_property
+    def _largest_operand(self) -> int:
         outputs = [operand.index for _, operand in self.function.outputs]
-        return max(self.layout.size, len(self.literals), len(outputs), *operands, *outputs)
+        used = (operand.index for statement in self.function.statements for operand in statement.operands)
+        return max(len(outputs), max(outputs, default=0), max(used, default=0))
 
     def _outside(self, operand: Operand) -> str:
         if operand.space is Space.LOCAL:

@@ -87,7 +87,7 @@ class Linear:
             values = np.zeros(self.count)
             values[self.count - len(known) :] = known[::-1] / self.scale
             return values, right[::-1]
-        size = BLOCK
+        size = BLOCK + max(0, self.count - len(self.used))  # no fewer than these are null vectors
         block, random = np.zeros((self.count, 0)), np.random.default_rng(20260105)
         while True:
             size = min(size, self.count)

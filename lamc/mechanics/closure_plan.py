@@ -9,6 +9,7 @@ equations hold.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -41,15 +42,17 @@ def pattern_of(closure: Closure, q: Sequence[Value], loops: LoopCount) -> Patter
     # Where loops fit badly, equations that are left out stay open by the misfit times what they have of the others: of
     # rounded sheets, by more than is accepted, unless the largest come first.
     shares = ALIKE[-1:] if loops.accepted_gap else ALIKE
-    plan = _best_plan(_values(closure, q, loops.position), rank, shares)
+    values = tuple(tuple(row.items()) for row in _values(closure, q, loops.position))
+    plan = _best_plan(values, rank, shares)
     return Pattern(rows, plan if _is_cheaper(plan, len(rows), len(q), rank) else ())
 
 
+@lru_cache(maxsize=2)  # a design that is new is planned twice: as it is surveyed, and as it is derived
 def _best_plan(
-    rows: Sequence[Mapping[int, float]], rank: int, shares: Sequence[float]
+    rows: tuple[tuple[tuple[int, float], ...], ...], rank: int, shares: tuple[float, ...]
 ) -> tuple[PlanStep, ...]:
     """The first of the plans by these shares that is about as good as any; where none is, that of least noise."""
-    made = [eliminated(rows, rank, share) for share in shares]
+    made = [eliminated([dict(row) for row in rows], rank, share) for share in shares]
     quietest = min(made, key=lambda each: each.most_noise)
     noise, work = NOISE * quietest.most_noise, WORK * min(each.work for each in made)
     good = (each for each in made if each.most_noise <= noise and each.work <= work)

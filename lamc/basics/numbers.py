@@ -5,22 +5,32 @@ computed from what it gives.
 """
 
 import math
+import re
 
 _PREFIXES = (
     *((1e12, "T"), (1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, "")),
     *((1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p")),
 )
-_LENGTHS = ((1e3, "km"), (1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"), (1e-12, "pm"))
-_UNPREFIXED = ("", "1/m", "rad", "°")
+_LENGTHS = _PREFIXES[3:]  # nobody reads megametres
+_FIRST = re.compile(r"([A-Za-zΩ]+)(?:\^([1-9])|([²³]))?(?![0-9^])")  # of a unit: what a prefix goes with
+_POWERS = {None: 1, "²": 2, "³": 3}
+_UNPREFIXED = ("rad", "deg")
 
 
 def prefixed(largest: float, unit: str) -> tuple[float, str]:
-    """Scale and unit in which numbers up to `largest` read well: value / scale is in the unit."""
+    """Scale and unit in which numbers up to `largest` read well: value / scale is in the unit.
+
+    A prefix goes with the first factor, and is raised to its power: 1e-6 m² is 1 mm². That of kg is g's.
+    """
     size = abs(largest)
-    if not math.isfinite(size) or size == 0.0 or unit in _UNPREFIXED:
+    first = _FIRST.match(unit)
+    if not math.isfinite(size) or size == 0.0 or first is None or first[1] in _UNPREFIXED:
         return 1.0, unit
-    choices = _LENGTHS if unit == "m" else tuple((scale, prefix + unit) for scale, prefix in _PREFIXES)
-    return next(((scale, name) for scale, name in choices if size >= scale * (1.0 - 1e-9)), choices[-1])
+    name, whole = ("g", 1e-3) if first[1] == "kg" else (first[1], 1.0)
+    power = int(first[2]) if first[2] else _POWERS[first[3]]
+    scales = _LENGTHS if name == "m" else _PREFIXES
+    choices = [((scale * whole) ** power, prefix + name + unit[len(first[1]) :]) for scale, prefix in scales]
+    return next(((scale, text) for scale, text in choices if size >= scale * (1.0 - 1e-9)), choices[-1])
 
 
 def shown_number(value: float, unit: str, digits: int = 5) -> str:

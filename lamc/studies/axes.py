@@ -14,6 +14,7 @@ import numpy as np
 from lamc.basics.checks import did_you_mean, is_list, shown
 from lamc.basics.errors import DesignError, RequestError
 from lamc.basics.si_units import in_unit
+from lamc.records.scene import is_bare, warn_of_degrees
 from lamc.run.request import Array
 
 _SPREAD = re.compile(r"\s*([a-z]+)\s*\((.*)\)\s*\Z", re.DOTALL)
@@ -121,14 +122,32 @@ def axis_of(name: str, given: object, unit: str) -> Axis:
         return given
     try:
         if isinstance(given, str):
-            return _of_text(given, unit)
-        if is_list(given):
-            return _listed([_number(each, unit) for each in given])
-        return Listed((_number(given, unit),))
+            axis = _of_text(given, unit)
+        elif is_list(given):
+            axis = _listed([_number(each, unit) for each in given])
+        else:
+            axis = Listed((_number(given, unit),))
     except DesignError as error:
         raise RequestError(f"vary {name!r}: {error.message}") from error
     except RequestError as error:
         raise RequestError(f"vary {name!r}: {error.message}") from error
+    if unit == "rad" and _are_bare(given):
+        largest = max((end for end in axis.extremes if math.isfinite(end)), key=abs, default=0.0)
+        warn_of_degrees(largest, f"what {name!r} is given")
+    return axis
+
+
+def _are_bare(given: object) -> bool:
+    """Whether none of the numbers comes with a unit."""
+    if is_list(given):
+        return all(map(is_bare, given))
+    if not isinstance(given, str):
+        return True
+    spread = _SPREAD.match(given)
+    if spread is not None:
+        return all(map(is_bare, spread[2].split(",")))
+    body = given.strip().removeprefix("log:")
+    return all(map(is_bare, body.split(":")[:2] if ":" in body else body.split(",")))
 
 
 def _of_text(text: str, unit: str) -> Axis:

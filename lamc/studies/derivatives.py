@@ -42,14 +42,14 @@ class Slopes:
     noise: float
 
 
-def gradients(problem: Problem, places: Array, edges: Edges) -> tuple[Array, Array]:
+def gradients(problem: Problem, places: Array, edges: Edges, unknown: float = 0.0) -> tuple[Array, Array]:
     """Gradient (n,) of the cost and Jacobian (c, n) of the constraints along `edges`, by two points each; of many
-    edges by the run's own steps backwards, where it has a gradient. Entries that no points that make a run are there
-    for are zero."""
+    edges by the run's own steps backwards, where it has a gradient. unknown: entries that no points that make a run
+    are there for."""
     exact = _backwards(problem, places, edges) if len(edges) > MANY else None
     if exact is not None:
         return exact
-    found = np.zeros((len(edges), 1 + len(problem.constraints)))
+    found = np.full((len(edges), 1 + len(problem.constraints)), unknown)
     problem.ahead(_shifted(places, e, h) for e in edges for h in _two_sided(places[e], COARSE))
     for row, edge in enumerate(edges):
         offsets, values = _along(problem, places, edge, _two_sided(places[edge], COARSE))

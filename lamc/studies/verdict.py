@@ -62,12 +62,23 @@ def verdict_of_many(problem: Problem, places: Array) -> Verdict:
             False, f"no point was found that keeps to the constraints: {_violated(problem, middle)}"
         )
     edges = problem.space.real
-    gradient, rows = gradients(problem, places, edges)
+    gradient, rows = gradients(problem, places, edges, unknown=np.nan)
+    if not np.isfinite(gradient).all():
+        return Verdict(False, "points beside it make no run, so that nothing is known of its surroundings")
     values, at = problem.violations(middle), places[edges]
     holding = [k for k, c in enumerate(problem.constraints) if c.is_equal or values[k] >= -_NEAR]
     sides = np.where(at <= _NEAR, -1.0, np.where(at >= 1.0 - _NEAR, 1.0, 0.0))
     free = sides == 0.0
-    forces = np.linalg.lstsq(rows[np.ix_(holding, free)].T, -gradient[free], rcond=None)[0]
+    while True:  # each turn lets go of one that pulls the wrong way
+        forces = np.linalg.lstsq(rows[np.ix_(holding, free)].T, -gradient[free], rcond=None)[0]
+        loose = [
+            (f, k)
+            for f, k in zip(forces, holding, strict=True)
+            if f < 0.0 and not problem.constraints[k].is_equal
+        ]
+        if not loose:
+            break
+        holding.remove(min(loose)[1])
     pull = gradient + rows[holding].T @ forces
     left = np.where(free | (pull * sides > 0.0), np.abs(pull), 0.0)
     most = float(np.max(left, initial=0.0))

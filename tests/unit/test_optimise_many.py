@@ -78,3 +78,32 @@ def test_functions_are_differentiated_by_runs(few_are_many: None) -> None:
     assert np.all(gradient != 0.0)
     assert len(problem.trials) == 7  # two beside it for each
     assert verdict.verdict_of_many(problem, places).converged is False
+
+
+def at_a_constraint_that_it_should_leave(goal: str) -> tuple[Problem, np.ndarray]:
+    """Held where it is by a bound on its own goal, which is lower elsewhere."""
+    places = np.array([0.4, 0.6, 0.3])
+    here = problem_of(flaps(goal=goal)).at(places).goals[0]
+    problem = problem_of(flaps(goal=goal, subject_to=[f"{goal} < {here!r} rad"]))
+    for edge in range(3):
+        for place in (0.0, 1.0):
+            problem.at(np.where(np.arange(3) == edge, place, places))
+    problem.at(places)
+    problem.settle_sizes()
+    return problem, places
+
+
+def test_a_constraint_that_pulls_the_wrong_way_holds_nothing(few_are_many: None) -> None:
+    problem, places = at_a_constraint_that_it_should_leave("max(left)")
+    assert not verdict.verdict_of_many(problem, places).converged
+
+
+def test_nothing_converges_where_points_beside_make_no_run(
+    few_are_many: None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, places = at_a_constraint_that_it_should_leave("max(left)")
+    problem.slopes_at = lambda _: None
+    monkeypatch.setattr(derivatives, "_along", lambda *_: (np.zeros(0), np.zeros((0, 2))))
+    found = verdict.verdict_of_many(problem, places)
+    assert not found.converged
+    assert "make no run" in found.message

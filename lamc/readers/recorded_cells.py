@@ -6,6 +6,7 @@ semicolons or tabs with decimal commas, quotes. Raises DesignError with file and
 
 import csv
 import math
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +21,7 @@ MOST_COLUMNS = 10_000
 
 Row = tuple[int, tuple[str, ...]]
 _GAPS = ("", "nan", "none", "null", "-")
+_THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}(?:,[0-9]{3})+")
 _BYTE_ORDERS = (b"\xff\xfe", b"\xfe\xff")
 
 
@@ -86,6 +88,7 @@ def cells_of(line: str, mark: str) -> tuple[str, ...]:
 def numbers_of(cells: Cells, count: int, rows: Sequence[Row]) -> Iterator[list[float]]:
     """Numbers of rows by `count` columns, NaN for gaps."""
     comma = point = ""
+    thousands = _Thousands(cells, count)
     for number, row in rows:
         if len(row) > count and any(row[count:]):
             hint = (
@@ -97,7 +100,8 @@ def numbers_of(cells: Cells, count: int, rows: Sequence[Row]) -> Iterator[list[f
                 f"a line of {len(row)} columns below a heading of {count}{hint}", cells.place(number)
             )
         found = []
-        for cell in (*row, *[""] * (count - len(row)))[:count]:
+        for column, cell in enumerate((*row, *[""] * (count - len(row)))[:count]):
+            thousands.see(column, cell, number)
             if "," in cell and is_comma_number(cell):
                 comma = comma or cell
                 cell = cell.replace(",", ".")
@@ -110,6 +114,37 @@ def numbers_of(cells: Cells, count: int, rows: Sequence[Row]) -> Iterator[list[f
                 )
             found.append(_number(cell, cells, number))
         yield found
+    thousands.check()
+
+
+class _Thousands:
+    """Looks for commas that set thousands apart, which read as decimal commas are a thousandth of the number."""
+
+    def __init__(self, cells: Cells, count: int) -> None:
+        self._cells = cells
+        self._first: list[tuple[str, int] | None] = [None] * count  # cell with such a comma, and its line
+        self._is_other = [False] * count  # a comma elsewhere: decimal ones
+        self._whole = [False] * count  # numbers without a comma
+
+    def see(self, column: int, cell: str, number: int) -> None:
+        if "," not in cell:
+            self._whole[column] = self._whole[column] or cell.isdigit()
+        elif _THOUSANDS.fullmatch(cell) is None:
+            self._is_other[column] = True
+        elif self._first[column] is None:
+            self._first[column] = cell, number
+
+    def check(self) -> None:
+        """Whether all commas of a column may be such: beside numbers without, or where commas set columns apart."""
+        for first, is_other, whole in zip(self._first, self._is_other, self._whole, strict=True):
+            if first is None or is_other or not (whole or self._cells.mark == ","):
+                continue
+            cell, number = first
+            raise DesignError(
+                f"{cell!r} may have a comma between thousands or before decimals; write {cell.replace(',', '')}, or "
+                f"{cell.replace(',', '.', 1)} with a point",
+                self._cells.place(number),
+            )
 
 
 def _number(cell: str, cells: Cells, number: int) -> float:

@@ -72,6 +72,12 @@ def test_motive_takes_positions_in_their_unit(tmp_path: Path) -> None:
         ("t,h1\n0,1\n,1\n", "run.csv:3.*a row without a time"),
         ("t,h1\n0,1\n1,two\n", "run.csv:3.*'two' is no number"),
         ("t;h1\n0;1,5\n0,1;2.5\n", "run.csv:3.*'1,5' with a decimal comma, and '2.5' with a point"),
+        (
+            't,tip.x [mm]\n0,998\n1,"1,002"\n',
+            "run.csv:3.*'1,002' may have a comma between thousands .*write 1002",
+        ),
+        ("t;tip.x [mm]\n0;998\n1;1,002\n2;1,004\n", "run.csv:3.*'1,002' may have a comma between thousands"),
+        ("t\ttip.x [mm]\n0\t998\n1\t1,002,004\n", "run.csv:3.*'1,002,004'"),
         ("t;h1\n0.1;1\n0.2;2,5\n", "run.csv:3.*'2,5' with a decimal comma, and '0.1' with a point"),
         ("t,h1\n0,0,1,5\n0,1,1,6\n", "run.csv:2.*a line of 4 columns .* decimal commas need .* semicolons"),
         ("t,h1\n0,1\n20,1\n40,1\n", "run.csv:1.*rows are 20 apart in 't'.*milliseconds"),
@@ -154,3 +160,8 @@ def test_any_text_is_a_table_or_refused(tmp_path: Path, text: str) -> None:
     else:
         assert np.all(np.diff(table.t) > 0.0)
         assert all(column.shape == table.t.shape for column in table.columns.values())
+
+
+def test_decimal_commas_of_three_digits_are_read(tmp_path: Path) -> None:
+    table = read(tmp_path, "t [s];tip.x [mm]\n0;0,998\n1;1,002\n2;1,5\n3;2\n")
+    assert table.columns["tip.x"] == pytest.approx([0.998e-3, 1.002e-3, 1.5e-3, 2e-3])

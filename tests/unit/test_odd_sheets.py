@@ -1,13 +1,26 @@
 """Sheets that are not what they seem: what is refused, what is told, of which part."""
 
+import json
+import warnings
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import lamc
-from lamc.basics.errors import LamcError
+from lamc.basics.errors import DesignWarning, LamcError
 
 CARD = lamc.Card(thickness="0.3 mm", density="700 kg/m^3")
+
+
+def loaded(file: Path, text: str, **options: Any) -> tuple[lamc.Mechanism, list[str]]:
+    """The sheet in a file with that text, and what is told of it."""
+    file.write_text(text)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", DesignWarning)
+        found = lamc.load(file, card=CARD, crease=1e-3, units="mm", **options)
+    assert isinstance(found, lamc.Mechanism)
+    return found, [str(each.message) for each in told]
 
 
 @pytest.mark.parametrize(
@@ -29,3 +42,36 @@ def test_what_is_named_as_a_sheet_and_is_none_is_refused_as_one(
     file.write_text(text)
     with pytest.raises(LamcError, match=error):
         lamc.load(file, card=CARD)
+
+
+def two_squares(ends: tuple[int, int], *more: tuple[int, int]) -> str:
+    """Lines of two squares beside one another with one crease, 1 to 2; the second square's corners there are `ends`."""
+    points = [[0, 0], [10, 0], [10, 10], [0, 10], [20, 0], [20, 10], [10, 0], [10, 10]]
+    low, high = ends
+    edges = [(1, 2), (0, 1), (2, 3), (3, 0), (low, 4), (4, 5), (5, high), *more]
+    kinds = ["V", *"BBBBBB", *"V" * len(more)]
+    return json.dumps({"vertices_coords": points, "edges_vertices": edges, "edges_assignment": kinds})
+
+
+def test_a_facet_with_one_corner_of_its_own_at_a_crease_is_joined_and_that_is_told(tmp_path: Path) -> None:
+    whole, told = loaded(tmp_path / "sheet.fold", two_squares((1, 2)))
+    assert not any("joined" in note for note in told)
+    for ends, more, named in (
+        ((6, 2), (), "joined: 1 and 6"),
+        ((6, 7), (), "joined: 1 and 6; 2 and 7"),
+        ((6, 2), ((6, 2),), "edges 7 lie where others do"),
+    ):
+        sheet, told = loaded(tmp_path / "sheet.fold", two_squares(ends, *more))
+        assert [body.mass for body in sheet.bodies] == pytest.approx([body.mass for body in whole.bodies])
+        assert [joint.stiffness for joint in sheet.joints] == [joint.stiffness for joint in whole.joints]
+        assert sum(named in note for note in told) == 1
+
+
+def test_a_slit_between_creases_stays_refused(tmp_path: Path) -> None:
+    """Its sides are two edges, and the crease runs on at both of its ends."""
+    points = [[0, 0], [10, 0], [20, 0], [20, 30], [10, 30], [0, 30], [10, 10], [10, 20], [10, 10], [10, 20]]
+    edges = [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 0), (1, 6), (7, 4), (6, 7), (8, 9)]
+    kinds = [*"BBBBBB", *"VV", *"BB"]
+    data = {"vertices_coords": points, "edges_vertices": edges, "edges_assignment": kinds}
+    with pytest.raises(LamcError, match="are one place"):
+        loaded(tmp_path / "sheet.fold", json.dumps(data))

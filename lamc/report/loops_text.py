@@ -41,7 +41,7 @@ def branch_lines(branches: Sequence[Branch], where: str = "at the start") -> lis
         names = [name for name, rate in branch.rates.items() if moves(rate)]
         if len(names) > MOST_RATIOS:  # what tells it from others, then what moves most
             places = {name: k for k, name in enumerate(first)}
-            names.sort(key=lambda name: (places.get(name, len(places)), -abs(branch.rates[name])))
+            names.sort(key=lambda name: (places.get(name, len(places)), -round(abs(branch.rates[name]), 6)))
         ratios = [f"{name} {branch.rates[name]:+.4g}" for name in names]
         family = f" (one of {branch.freedoms} freedoms)" if branch.freedoms > 1 else ""
         more = f", … ({len(ratios)} joints move)" if len(ratios) > MOST_RATIOS else ""

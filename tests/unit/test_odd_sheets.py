@@ -75,3 +75,21 @@ def test_a_slit_between_creases_stays_refused(tmp_path: Path) -> None:
     data = {"vertices_coords": points, "edges_vertices": edges, "edges_assignment": kinds}
     with pytest.raises(LamcError, match="are one place"):
         loaded(tmp_path / "sheet.fold", json.dumps(data))
+
+
+def svg(*shapes: str) -> str:
+    """A drawing of 40 by 20 mm with a rim."""
+    root = '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" viewBox="0 0 40 20">'
+    return f'{root}<rect width="40" height="20" fill="none" stroke="black"/>{"".join(shapes)}</svg>'
+
+
+CREASE = '<line x1="20" x2="20" y2="20" stroke="red" stroke-opacity="0.5"/>'
+
+
+def test_creases_of_full_opacity_are_counted_that_stay(tmp_path: Path) -> None:
+    stray = '<line x1="60" y1="5" x2="64" y2="9" stroke="red"/>'
+    whole = '<line x1="10" x2="10" y2="20" stroke="blue"/>'
+    _, told = loaded(tmp_path / "a.svg", svg(CREASE, stray))
+    assert not any("full opacity" in note for note in told)
+    _, told = loaded(tmp_path / "a.svg", svg(CREASE, stray, whole))
+    assert sum("1 crease has full opacity and rests at 180 degrees" in note for note in told) == 1

@@ -23,7 +23,6 @@ class ShapeRoles:
         self.options, self.notes = options, notes
         self._said = {name.strip().casefold() for name in options.roles or ()}
         self._seen: set[str] = set()  # colours and layers
-        self._flat_folded = 0
 
     def of_stroke(self, style: Style, source: str) -> tuple[Role | None, str]:
         """Role and layer of a shape with a stroke; None: it is for nothing."""
@@ -92,18 +91,10 @@ class ShapeRoles:
             of_layer = layer_angle(layer)
             if of_layer is not None:
                 return abs(of_layer) * _SIGNS[role]
-            self._flat_folded += 1
         return _SIGNS[role] * math.pi * opacity
 
     def tell(self) -> None:
-        """Notes of what concerns the drawing as a whole: creases that fold flat, roles that no line has."""
-        if self._flat_folded:
-            one = self._flat_folded == 1
-            have = "crease has full opacity and rests" if one else "creases have full opacity and rest"
-            self.notes.say(
-                f"{self._flat_folded} {have} at 180 degrees, folded flat, on the way to which "
-                "facets may pass through one another (stroke-opacity 0.5 rests at 90)"
-            )
+        """Notes of roles that no line has."""
         colours = {colour[0] for name in self._seen if (colour := colour_of(name)) is not None}
         families = {family[0] for colour in colours if (family := family_of(colour)) is not None}
         for name in self.options.roles or ():

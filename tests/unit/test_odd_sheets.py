@@ -93,3 +93,18 @@ def test_creases_of_full_opacity_are_counted_that_stay(tmp_path: Path) -> None:
     assert not any("full opacity" in note for note in told)
     _, told = loaded(tmp_path / "a.svg", svg(CREASE, stray, whole))
     assert sum("1 crease has full opacity and rests at 180 degrees" in note for note in told) == 1
+
+
+@pytest.mark.parametrize("stroke", ["var(--c, red)", "url(#g) blue", "context-stroke"])
+def test_a_stroke_that_is_not_understood_is_told_as_that(tmp_path: Path, stroke: str) -> None:
+    line = f'<line x1="10" x2="10" y2="20" stroke="{stroke}"/>'
+    sheet, told = loaded(tmp_path / "a.svg", svg(CREASE, line))
+    assert len(sheet.joints) == 1
+    (note,) = [note for note in told if "left out" in note]
+    assert f"its stroke '{stroke}' is not understood" in note
+    assert "write a colour" in note
+    assert "filled" not in note
+    sheet, told = loaded(tmp_path / "a.svg", svg(CREASE, f'<g id="valley_90">{line}</g>'))
+    assert len(sheet.joints) == 2
+    with pytest.raises(LamcError, match="is not understood"):
+        loaded(tmp_path / "a.svg", svg(line).replace('stroke="black"', 'stroke="none"'))

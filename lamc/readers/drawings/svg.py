@@ -91,7 +91,8 @@ class _Reader:
                 found += self._placed(drawn, role, layer, drawn.style.strength, to_metres)
         is_silhouette = not found
         for drawn in filled:
-            role, layer = self.roles.of_fill(drawn.style, drawn.source, is_silhouette=is_silhouette)
+            has_area = is_silhouette and drawn.element.tag != "line"
+            role, layer = self.roles.of_fill(drawn.style, drawn.source, is_silhouette=has_area)
             if role is not None:
                 found += self._placed(drawn, role, layer, 1.0, to_metres)
         return found

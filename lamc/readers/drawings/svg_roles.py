@@ -64,6 +64,8 @@ class ShapeRoles:
         """The same of a shape without a stroke: as its layer or the user says, else nothing; a drawing that has nothing
         else is of silhouettes."""
         layer = self._layer(style.layers)
+        if style.unread and not (is_silhouette and style.fill is not None):
+            return self._of_unread(style, layer, source), layer
         if style.fill is None:
             self.notes.add("is left out: it has neither stroke nor fill", source)
             return None, layer
@@ -71,7 +73,8 @@ class ShapeRoles:
         self._seen |= {colour, layer.casefold()}
         role = said_role(colour, layer, self.options) or layer_role(layer)
         if role is None and is_silhouette and role_of(colour, layer, self.options) is not None:
-            self.notes.add("is filled and has no stroke: its rim is taken for an outline", source)
+            stroke = "a stroke without a colour" if style.unread else "no stroke"
+            self.notes.add(f"is filled and has {stroke}: its rim is taken for an outline", source)
             return "border", layer
         if role is None:
             self.notes.add(
@@ -80,6 +83,23 @@ class ShapeRoles:
                 source,
             )
         return (None if role == "ignore" else role), layer
+
+    def _of_unread(self, style: Style, layer: str, source: str) -> Role | None:
+        """What a shape is for whose stroke is no colour: only its layer may say."""
+        colour = shown_colour(style.fill) if style.fill is not None else None
+        self._seen |= {layer.casefold()} | ({colour} if colour is not None else set())
+        role = said_role(colour, layer, self.options) or layer_role(layer)
+        if role is None:
+            why = (
+                ", as a gradient or pattern has no colour" if style.unread.lower().startswith("url(") else ""
+            )
+            also = f", or say what its layer is for (--role '{layer[:40]}=cut')" if layer else ""
+            self.notes.add(
+                f"is left out: its stroke '{style.unread[:40]}' is not understood{why}; write a colour, such as "
+                f"stroke='#ff0000'{also}",
+                source,
+            )
+        return None if role == "ignore" else role
 
     def angle(self, role: Role, layer: str, opacity: float) -> float | None:
         """rad, where a crease rests; None where the drawing does not say."""

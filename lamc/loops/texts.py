@@ -2,7 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
+import numpy as np
+
 from lamc.loops.branches import Branch
+
+ROUND_OFF = 1e-9  # of the largest rate; null spaces of large sheets have rows of some 1e-13
 
 
 def named(values: Mapping[str, float]) -> str:
@@ -10,15 +14,46 @@ def named(values: Mapping[str, float]) -> str:
     return ", ".join(f"{name} = {value:g}" for name, value in sorted(values.items())) or "none"
 
 
-def ratios(branch: Branch, most: int = 8) -> str:
-    """The rates of the first joints, relative to the largest."""
-    texts = [f"{name} {rate:.4g}" for name, rate in branch.rates.items()]
-    return ", ".join(texts[:most] + ["…"] * (len(texts) > most))
+def telling(branches: Sequence[Branch], most: int) -> list[str]:
+    """Joints by which the branches are told apart, and then those that move most; up to `most`, the most telling first.
+
+    Those that move in none are left out."""
+    names = list(branches[0].rates)
+    rates = np.array([[branch.rates[name] for name in names] for branch in branches])
+    rates[np.abs(rates) <= ROUND_OFF] = 0.0
+    first, second = np.triu_indices(len(branches), 1)
+    apart = np.abs(rates[first] - rates[second])  # (pairs, joints)
+    largest = np.abs(rates).max(axis=0)
+    left, known = largest > 0.0, np.zeros((len(apart), 1))
+    chosen: list[str] = []
+    while len(chosen) < most and left.any():
+        # What one more joint adds to the largest difference between any two; of equal ones the first that moves most.
+        gain = np.round(np.maximum(apart - known, 0.0).sum(axis=0), 6) + ROUND_OFF * np.round(largest, 6)
+        k = int(np.argmax(np.where(left, gain, -1.0)))
+        known = np.maximum(known, apart[:, k : k + 1])
+        left[k] = False
+        chosen.append(names[k])
+    return chosen
+
+
+def ratios(branch: Branch, most: int = 8, beside: Sequence[Branch] = ()) -> str:
+    """The rates of a few joints, relative to the largest: all, or those that tell it from those beside it."""
+    some = len(branch.rates) > most
+    names = telling(beside or (branch,), most) if some else branch.rates
+    rates = {name: rate if moves(rate) else 0.0 for name, rate in branch.rates.items()}
+    texts = [f"{name} {rates[name]:.4g}" for name in names]
+    return ", ".join(texts + ["…"] * some)
+
+
+def moves(rate: float) -> bool:
+    """Whether a rate, relative to the largest, is more than round-off."""
+    return abs(rate) > ROUND_OFF
 
 
 def listed(branches: Sequence[Branch], most: int = 4) -> str:
     """The branches with their ratios of rates, numbered as the scene chooses them."""
-    texts = [f"{number}: ({ratios(branch)})" for number, branch in enumerate(branches[:most], start=1)]
+    few = branches[:most]
+    texts = [f"{number}: ({ratios(branch, beside=few)})" for number, branch in enumerate(few, start=1)]
     more = f"; {len(branches) - most} more in Simulator.branches" if len(branches) > most else ""
     return "; ".join(texts) + more
 
@@ -26,14 +61,17 @@ def listed(branches: Sequence[Branch], most: int = 4) -> str:
 def pushed_note(number: int, branches: Sequence[Branch]) -> str:
     """Which branch of a singular start at rest is taken, and the others."""
     others = [k for k in range(1, len(branches) + 1) if k != abs(number)]
+    few = [branches[k - 1] for k in (abs(number), *others[:4])]
     text = (
-        f"the start is singular and at rest; it takes branch {number} ({ratios(branches[abs(number) - 1])}), on which "
-        "the loads do most work"
+        f"the start is singular and at rest; it takes branch {number} ({ratios(few[0], beside=few)}), on which the "
+        "loads do most work"
     )
     if not others:
         return text
-    listing = "; ".join(f"{k}: ({ratios(branches[k - 1])})" for k in others[:4])
-    more = " …" if len(others) > 3 else ""
+    listing = "; ".join(
+        f"{k}: ({ratios(branch, beside=few)})" for k, branch in zip(others, few[1:], strict=False)
+    )
+    more = " …" if len(others) > 4 else ""
     return f"{text}; others: {listing}{more}; choose by the scene's branch"
 
 

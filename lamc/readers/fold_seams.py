@@ -30,13 +30,17 @@ def with_seams(
     """Edges, faces, and those of the places `kept` that stay, with facets joined along creases that both draw."""
     own = [edges[k] for k in kept]
     pairs = _seams(vertices, own, "".join(kinds[k] for k in kept), [angles[k] for k in kept], faces)
-    if not pairs:
+    left_out = {kept[second] for _, second in pairs}
+    one = _joined(vertices, own, pairs)
+    if faces is None:
+        one = _at_creases(vertices, edges, kinds, [k for k in kept if k not in left_out], one, notes)
+    if one == list(range(len(vertices))):
         return edges, faces, kept
-    one, left_out = _joined(vertices, own, pairs), {kept[second] for _, second in pairs}
-    named = listed_names([str(k) for k in sorted(left_out)])
-    notes.append(
-        f"edges {named} lie where others do, between vertices of their own: facets are joined along them"
-    )
+    if left_out:
+        named = listed_names([str(k) for k in sorted(left_out)])
+        notes.append(
+            f"edges {named} lie where others do, between vertices of their own: facets are joined along them"
+        )
     joined = tuple((one[a], one[b]) for a, b in edges)
     rings = None if faces is None else tuple(tuple(one[v] for v in face) for face in faces)
     return joined, rings, [k for k in kept if k not in left_out]
@@ -79,6 +83,26 @@ def _joined(vertices: Array, edges: Sequence[Edge], pairs: Sequence[tuple[int, i
             low, high = sorted((root(a), root(b)))
             one[high] = low
     return [root(v) for v in range(len(vertices))]
+
+
+def _at_creases(
+    vertices: Array, edges: Edges, kinds: str, kept: Sequence[int], one: list[int], notes: list[str]
+) -> list[int]:
+    """The same of a drawing of lines alone, where a crease that is drawn once ends at a vertex that another facet has
+    of its own. As `one` is where that would lay edges over one another: sides of a slit are two."""
+    places = _places(vertices)
+    ends = {places[v] for k in kept if kinds[k] in _FOLDS for v in edges[k]}
+    used = sorted({one[v] for k in kept for v in edges[k]})
+    first: dict[int, int] = {}
+    instead = {v: first.setdefault(places[v], v) for v in used if places[v] in ends}
+    found = [instead.get(v, v) for v in one]
+    lines = [frozenset((found[a], found[b])) for a, b in (edges[k] for k in kept)]
+    twice = [(low, v) for v, low in instead.items() if low != v]
+    if not twice or len(set(lines)) < len(lines):
+        return one
+    named = "; ".join(f"{low} and {v}" for low, v in twice[:4]) + "; …" * (len(twice) > 4)
+    notes.append(f"vertices at the end of a crease that are one place are joined: {named}")
+    return found
 
 
 def _places(vertices: Array) -> list[int]:

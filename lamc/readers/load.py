@@ -12,7 +12,7 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, LamcError, Place, UnsupportedError, warn
 from lamc.basics.files import read_bytes
 from lamc.readers import joints_file, popupcad
-from lamc.readers.drawings.reading import drawing_in, is_drawing
+from lamc.readers.drawings.reading import check_meant, drawing_in, is_drawing
 from lamc.readers.fold import read_fold
 from lamc.readers.fold_file import is_fold
 from lamc.readers.inert import (
@@ -159,6 +159,7 @@ def _read(
                 )
             return read_fold(text, file, sheet, limits)
         if sheet.given:
+            check_meant(text, file, sheet, limits)
             raise DesignError(
                 f"{sheet.given[0]} is for sheets (FOLD, SVG, DXF); edit this file instead", Place(file)
             )

@@ -33,6 +33,7 @@ class Stroke:
     angle   rad, at which a crease rests, positive for a valley; None: the drawing does not say
     layer   the layer or group that it is on; "" for none
     source  what the file calls it, for messages: "path #fold3", "LWPOLYLINE 2F"
+    full    its angle, 180 degrees, is of an opacity of 1, which lines have that say none
     """
 
     points: Array
@@ -41,6 +42,7 @@ class Stroke:
     angle: float | None = None
     layer: str = ""
     source: str = ""
+    full: bool = False
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from lamc.loops.branches import Branch
 from lamc.loops.misfit import length
 from lamc.loops.rank import LoopCount
+from lamc.loops.texts import moves, telling
 
 MOST_BRANCHES, MOST_RATIOS = 8, 24  # in a table
 
@@ -27,14 +28,21 @@ def loops_line(count: LoopCount) -> str:
 
 
 def branch_lines(branches: Sequence[Branch], where: str = "at the start") -> list[str]:
-    """A line for each branch: its number and the ratios of its rates; joints that rest are left out."""
+    """A line for each branch: its number and the ratios of its rates; joints that rest are left out, and of
+    many those that neither tell it from others nor move most."""
     if not branches:
         return []
     lines = [
         f"singular {where}; the ways out of it, by ratios of rates (a scene's branch chooses, -1 goes back):"
     ]
-    for number, branch in enumerate(branches[:MOST_BRANCHES], start=1):
-        ratios = [f"{name} {rate:+.4g}" for name, rate in branch.rates.items() if rate != 0.0]
+    few = branches[:MOST_BRANCHES]
+    first = telling(few, MOST_RATIOS)
+    for number, branch in enumerate(few, start=1):
+        names = [name for name, rate in branch.rates.items() if moves(rate)]
+        if len(names) > MOST_RATIOS:  # what tells it from others, then what moves most
+            places = {name: k for k, name in enumerate(first)}
+            names.sort(key=lambda name: (places.get(name, len(places)), -round(abs(branch.rates[name]), 6)))
+        ratios = [f"{name} {branch.rates[name]:+.4g}" for name in names]
         family = f" (one of {branch.freedoms} freedoms)" if branch.freedoms > 1 else ""
         more = f", … ({len(ratios)} joints move)" if len(ratios) > MOST_RATIOS else ""
         lines.append(f"  branch {number}: {', '.join(ratios[:MOST_RATIOS])}{more}{family}")

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 import lamc
 from lamc.basics.errors import DesignWarning, LamcError
 from lamc.readers.drawings.svg import is_svg, read_svg
+from lamc.readers.drawings.telling import full_notes
 from lamc.readers.inert import Limits
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing, Role, Stroke
@@ -106,7 +107,8 @@ def test_opacities_of_groups_multiply_and_of_strokes_do_not() -> None:
 def test_full_opacity_is_180_degrees_and_told() -> None:
     read = drawn(LINE + '<line x2="10" y2="5" stroke="blue"/><line x2="9" stroke="magenta"/>')
     assert [s.angle for s in read.strokes] == [-math.pi, math.pi, None]
-    assert any("2 creases have full opacity and rest at 180 degrees" in note for note in read.notes)
+    (note,) = full_notes(read.strokes)
+    assert "2 creases have full opacity and rest at 180 degrees" in note
     # A layer may say the angle in place of the opacity.
     line = only('<g id="mountain_45"><line x2="10" stroke="black"/></g>')
     assert (line.role, line.angle, line.layer) == ("mountain", pytest.approx(-math.pi / 4), "mountain_45")

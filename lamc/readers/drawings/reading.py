@@ -1,11 +1,15 @@
 """Which files are drawings, and their reading; what cannot be read is told apart by its first bytes.
 
-In: bytes. Out: a `Drawing`, or None for a file of another kind. The content decides, not the name.
+In: bytes. Out: a `Drawing`, or None for a file of another kind. The content decides, not the name; the name
+says only what a file was meant as that is none of them.
 """
 
-from lamc.basics.errors import Place, UnsupportedError
+from pathlib import PurePath
+
+from lamc.basics.errors import DesignError, Place, UnsupportedError
 from lamc.readers.drawings.dxf_tags import is_dxf
 from lamc.readers.inert import Limits, Progress
+from lamc.readers.json_text import parsed
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing
 
@@ -60,3 +64,26 @@ def drawing_in(
 
         return read_dxf(data, file, options, limits)
     return None
+
+
+def check_meant(text: str, file: str, options: SheetOptions, limits: Limits) -> None:
+    """Raises DesignError, of the format that the name says, for a text that is no sheet and is named as one."""
+    place = Place(file)
+    suffix = PurePath(file).suffix.lower()
+    if suffix == ".svg":
+        from lamc.readers.drawings.svg import read_svg  # as above
+
+        read_svg(text.encode(), file, options, limits)
+        raise DesignError("this is no SVG file: its first character must be '<'", place)
+    if suffix == ".dxf":
+        raise DesignError("this is no DXF file: it must begin with the lines 0, SECTION, 2", place)
+    if suffix not in (".fold", ".json"):
+        return
+    data = parsed(text, file, limits)
+    if not isinstance(data, dict):
+        found = "a list" if isinstance(data, list) else "a single value"
+        raise DesignError(f"this is no FOLD file: it holds {found}; FOLD is a map of lists", place)
+    if suffix == ".fold" or not {"kind", "layers", "joints", "shapes", "materials"} & data.keys():
+        raise DesignError(
+            "this is no FOLD file: it has none of vertices_coords, edges_vertices and faces_vertices", place
+        )

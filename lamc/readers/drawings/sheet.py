@@ -17,7 +17,7 @@ from lamc.readers.drawings.faces import faces_within, linked
 from lamc.readers.drawings.heal import CREASES, DEFAULT, Graph, healed, size_of
 from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.outlines import hull, material, parting
-from lamc.readers.drawings.telling import name_of, told
+from lamc.readers.drawings.telling import full_notes, name_of, told
 from lamc.readers.fold_faces import Edge
 from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_sheet import sheet_mechanism
@@ -80,6 +80,7 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
     owners = [None if (of := origin[k]) is None else graph.strokes[kept[of]] for k in range(len(edges))]
     beyond = _beyond(points, edges, owners, strokes, set(used))
     lines = [None if (owner := owners[k]) is None else strokes[owner] for k in used]
+    notes += full_notes(strokes[k] for k in dict.fromkeys(owners[e] for e in used) if k is not None)
     frame = FoldFrame(
         drawing.name,
         np.column_stack([points, np.zeros(len(points))]),

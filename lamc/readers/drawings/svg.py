@@ -8,6 +8,7 @@ with y up. An opacity of 1 is a fold of 180 degrees: the convention of Origami S
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import PurePath
 
 import numpy as np
@@ -16,6 +17,7 @@ from lamc.basics.errors import DesignError, LamcError, Place
 from lamc.readers.drawings.curves import Outline, size_of
 from lamc.readers.drawings.notes import Notes
 from lamc.readers.drawings.reading import looks_like_xml
+from lamc.readers.drawings.roles import layer_angle
 from lamc.readers.drawings.svg_lengths import LARGEST, Scale, scale_of
 from lamc.readers.drawings.svg_roles import ShapeRoles
 from lamc.readers.drawings.svg_shapes import outlines
@@ -89,7 +91,8 @@ class _Reader:
                 found += self._placed(drawn, role, layer, drawn.style.strength, to_metres)
         is_silhouette = not found
         for drawn in filled:
-            role, layer = self.roles.of_fill(drawn.style, drawn.source, is_silhouette=is_silhouette)
+            has_area = is_silhouette and drawn.element.tag != "line"
+            role, layer = self.roles.of_fill(drawn.style, drawn.source, is_silhouette=has_area)
             if role is not None:
                 found += self._placed(drawn, role, layer, 1.0, to_metres)
         return found
@@ -111,7 +114,8 @@ class _Reader:
             source = f"{drawn.source}, part {k}" if len(parts) > 1 else drawn.source
             angle = self.roles.angle(role, layer, opacity)
             rests: Role = "hinge" if angle == 0.0 else role  # neither mountain nor valley
-            found.append((Stroke(_NO_POINTS, part.closed, rests, angle, layer, source), placed))
+            full = opacity == 1.0 and angle is not None and layer_angle(layer) is None
+            found.append((Stroke(_NO_POINTS, part.closed, rests, angle, layer, source, full), placed))
         return found
 
     def _flat(self, lines: Sequence[tuple[Stroke, Outline]], tolerance: float) -> tuple[Stroke, ...]:
@@ -128,7 +132,7 @@ class _Reader:
             if len(points) < 2:
                 self.notes.add("draws nothing: its length is 0", stroke.source)
                 continue
-            strokes.append(Stroke(points, closed, stroke.role, stroke.angle, stroke.layer, stroke.source))
+            strokes.append(replace(stroke, points=points, closed=closed))
         return tuple(strokes)
 
     def _tell_size(self, scale: Scale, size: float) -> None:

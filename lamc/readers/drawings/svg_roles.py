@@ -23,7 +23,6 @@ class ShapeRoles:
         self.options, self.notes = options, notes
         self._said = {name.strip().casefold() for name in options.roles or ()}
         self._seen: set[str] = set()  # colours and layers
-        self._flat_folded = 0
 
     def of_stroke(self, style: Style, source: str) -> tuple[Role | None, str]:
         """Role and layer of a shape with a stroke; None: it is for nothing."""
@@ -65,6 +64,8 @@ class ShapeRoles:
         """The same of a shape without a stroke: as its layer or the user says, else nothing; a drawing that has nothing
         else is of silhouettes."""
         layer = self._layer(style.layers)
+        if style.unread and not (is_silhouette and style.fill is not None):
+            return self._of_unread(style, layer, source), layer
         if style.fill is None:
             self.notes.add("is left out: it has neither stroke nor fill", source)
             return None, layer
@@ -72,7 +73,8 @@ class ShapeRoles:
         self._seen |= {colour, layer.casefold()}
         role = said_role(colour, layer, self.options) or layer_role(layer)
         if role is None and is_silhouette and role_of(colour, layer, self.options) is not None:
-            self.notes.add("is filled and has no stroke: its rim is taken for an outline", source)
+            stroke = "a stroke without a colour" if style.unread else "no stroke"
+            self.notes.add(f"is filled and has {stroke}: its rim is taken for an outline", source)
             return "border", layer
         if role is None:
             self.notes.add(
@@ -81,6 +83,23 @@ class ShapeRoles:
                 source,
             )
         return (None if role == "ignore" else role), layer
+
+    def _of_unread(self, style: Style, layer: str, source: str) -> Role | None:
+        """What a shape is for whose stroke is no colour: only its layer may say."""
+        colour = shown_colour(style.fill) if style.fill is not None else None
+        self._seen |= {layer.casefold()} | ({colour} if colour is not None else set())
+        role = said_role(colour, layer, self.options) or layer_role(layer)
+        if role is None:
+            why = (
+                ", as a gradient or pattern has no colour" if style.unread.lower().startswith("url(") else ""
+            )
+            also = f", or say what its layer is for (--role '{layer[:40]}=cut')" if layer else ""
+            self.notes.add(
+                f"is left out: its stroke '{style.unread[:40]}' is not understood{why}; write a colour, such as "
+                f"stroke='#ff0000'{also}",
+                source,
+            )
+        return None if role == "ignore" else role
 
     def angle(self, role: Role, layer: str, opacity: float) -> float | None:
         """rad, where a crease rests; None where the drawing does not say."""
@@ -92,18 +111,10 @@ class ShapeRoles:
             of_layer = layer_angle(layer)
             if of_layer is not None:
                 return abs(of_layer) * _SIGNS[role]
-            self._flat_folded += 1
         return _SIGNS[role] * math.pi * opacity
 
     def tell(self) -> None:
-        """Notes of what concerns the drawing as a whole: creases that fold flat, roles that no line has."""
-        if self._flat_folded:
-            one = self._flat_folded == 1
-            have = "crease has full opacity and rests" if one else "creases have full opacity and rest"
-            self.notes.say(
-                f"{self._flat_folded} {have} at 180 degrees, folded flat, on the way to which "
-                "facets may pass through one another (stroke-opacity 0.5 rests at 90)"
-            )
+        """Notes of roles that no line has."""
         colours = {colour[0] for name in self._seen if (colour := colour_of(name)) is not None}
         families = {family[0] for colour in colours if (family := family_of(colour)) is not None}
         for name in self.options.roles or ():

@@ -16,6 +16,7 @@ class Style:
     """What a shape has of its own and of the groups that it lies in.
 
     stroke, fill  colours; None for none
+    unread        what is given as the stroke and is no colour; "" for a colour and for none
     opacity       of the stroke, all groups' multiplied
     layers        names of the groups, outermost first; True for those that a program calls layers
     """
@@ -28,6 +29,7 @@ class Style:
     opacity: float = 1.0
     is_visible: bool = True
     layers: tuple[tuple[str, bool], ...] = ()
+    unread: str = ""
 
     @property
     def strength(self) -> float:
@@ -50,10 +52,9 @@ def styled(element: Element, above: Style, declared: Declarations, notes: Notes)
         style = replace(style, color=color)
     if "stroke" in said:
         stroke = _paint(said["stroke"], style.color)
-        if stroke is None and said["stroke"].lower().startswith("url("):
-            notes.add("is stroked with a gradient or pattern, which has no colour", element.source)
+        unread = said["stroke"] if stroke is None and said["stroke"].lower() != "none" else ""
         paint, alpha = stroke if stroke is not None else (None, 1.0)
-        style = replace(style, stroke=paint, stroke_alpha=alpha)
+        style = replace(style, stroke=paint, stroke_alpha=alpha, unread=unread)
     if "fill" in said:
         fill = _paint(said["fill"], style.color)
         style = replace(style, fill=fill[0] if fill is not None else None)

@@ -38,3 +38,15 @@ def told(mends: Sequence[Mend], tolerance: float, option: str = "--heal") -> lis
     if lines:
         lines[0] += f" (healed within {1e3 * tolerance:.3g} mm; {option} says another)"
     return lines
+
+
+def full_notes(strokes: Iterable[Stroke]) -> list[str]:
+    """A line for creases that rest folded flat because nothing makes them fainter; [] where there are none."""
+    count = sum(stroke.full for stroke in strokes)
+    if not count:
+        return []
+    have = "crease has full opacity and rests" if count == 1 else "creases have full opacity and rest"
+    return [
+        f"{count} {have} at 180 degrees, folded flat, on the way to which facets may pass through one another "
+        "(stroke-opacity 0.5 rests at 90)"
+    ]

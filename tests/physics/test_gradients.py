@@ -258,8 +258,16 @@ def test_more_parameters_cost_no_more_steps_backwards() -> None:
 def test_a_run_without_a_tape_has_none() -> None:
     sim = lamc.compile(oscillator(), lamc.Scene(effects=(lamc.HingeStiffness(),), angles={"h": 0.3}))
     plain, taped = sim.run(t_end=0.1), sim.run(t_end=0.1, taped=True)
-    for result in (plain, pickle.loads(pickle.dumps(taped)), taped.at_rows(taped.t > 0.05)):
-        with pytest.raises(lamc.RequestError, match="was not taped"):
+    pickled = pickle.loads(pickle.dumps(taped))
+    for result, words in (
+        (plain, "was not taped"),
+        (pickle.loads(pickle.dumps(plain)), "was not taped"),
+        (pickled, "is not pickled with its result"),
+        (pickle.loads(pickle.dumps(pickled)), "is not pickled with its result"),
+        (pickled.at_rows(taped.t > 0.05), "is not pickled with its result"),
+        (taped.at_rows(taped.t > 0.05), "some are left out here"),
+    ):
+        with pytest.raises(lamc.RequestError, match=words):
             result.gradient("last(h)")
     short = sim.run(t_end=10.0, max_steps=5, taped=True)
     with pytest.raises(lamc.SimulationError, match="did not reach its end"):

@@ -305,7 +305,8 @@ class Result(GivenOut, Viewable, Unchanging):
         """Derivatives of one number of the run by parameters: by all of them at the cost of a few runs. The run must
         have been made with taped=True.
 
-        measure  text, such as "max(tip.z)" or "rms(h2 - 10 deg)", as of `lamc.sweep`
+        measure  text, such as "max(tip.z)" or "rms(h2 - 10 deg)", as of `lamc.sweep`; it may name dimensions of the
+                 design, and parameters that the run was given
         names    parameters of the model, dimensions of the design, "angles.JOINT" and "rates.JOINT" of the start; None:
                  all parameters of the model but times at which servos sample, by which there are none. A dimension
                  takes some milliseconds besides, as its drawing is split anew

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from lamc.basics.errors import RequestError
 from lamc.commands.design_options import (
     compiler,
     design,
@@ -15,11 +14,12 @@ from lamc.commands.design_options import (
     sourced,
     staged,
 )
-from lamc.commands.options import camera_option, size_option, speaking
+from lamc.commands.options import speaking, viewed
 from lamc.commands.terminal import Terminal
 
 if TYPE_CHECKING:
     from lamc.commands.inputs import SceneChanges, Source
+    from lamc.report.look import Look
 
 
 @click.command()
@@ -85,8 +85,7 @@ if TYPE_CHECKING:
     default=False,
     help="Film each recording over the fitted motion: MP4 where the extra `video` is, else GIF.",
 )
-@camera_option
-@size_option
+@viewed
 @click.option("--no-pictures", is_flag=True, help="Draw nothing.")
 @click.option(
     "--out",
@@ -111,8 +110,7 @@ def fit(
     design: tuple[str, ...],
     changes: "SceneChanges",
     film: bool,
-    camera: str | None,
-    size: int | None,
+    look: "Look",
     no_pictures: bool,
     out: str | None,
     terminal: Terminal,
@@ -134,12 +132,6 @@ def fit(
       lamc fit flap.yaml --data cam.csv --map 'tip=link_2@(30mm, 0, 0)' --frame x,-z --free h1.stiffness \\
         --free delay=0:20ms --hold-out other.csv --film
     """
-    from lamc.report.look import Look, camera_of
-
-    try:
-        look = Look(camera_of(camera), size)
-    except RequestError as error:
-        raise click.UsageError(error.message) from error
     from lamc.commands.fit import FitOrder
     from lamc.commands.fit import fit as work
 

@@ -112,9 +112,26 @@ size_option = click.option(
 
 def looked(function: Function) -> Function:
     """Adds --format, --camera and --size, and hands the function a Look, `look`."""
+    format_option = click.option(
+        "--format",
+        "format_",
+        type=click.Choice(["png", "svg", "pdf"]),
+        default="png",
+        help="Format of the pictures.",
+    )
+    return _looking(function, format_option, camera_option, size_option)
+
+
+def viewed(function: Function) -> Function:
+    """Adds --camera and --size alone, and hands the function a Look, `look`."""
+    return _looking(function, camera_option, size_option)
+
+
+def _looking(function: Function, *options: Function) -> Function:
+    """It stands above `speaking`, so that click tells what is wrong with the options, before any work begins."""
 
     @functools.wraps(function)
-    def wrapped(*, format_: str, camera: str | None, size: int | None, **given: Any) -> int:
+    def wrapped(*, camera: str | None, size: int | None, format_: str = "png", **given: Any) -> int:
         from lamc.report.look import Look, camera_of
 
         try:
@@ -123,18 +140,7 @@ def looked(function: Function) -> Function:
             raise click.UsageError(error.message) from error
         return int(function(look=look, **given))
 
-    options = together(
-        click.option(
-            "--format",
-            "format_",
-            type=click.Choice(["png", "svg", "pdf"]),
-            default="png",
-            help="Format of the pictures.",
-        ),
-        camera_option,
-        size_option,
-    )
-    decorated: Function = options(wrapped)
+    decorated: Function = together(*options)(wrapped)
     return decorated
 
 

@@ -90,7 +90,7 @@ def answered(
     segments: int | None = None,
 ) -> Fit:
     """The fit of a design that is compiled, as of `fit`."""
-    recordings = _checked(data, loss, starts)
+    recordings = _checked(data, loss, starts, segments)
     setting = setting_of(simulators, recordings, _ranges(free), parameters)
     runs = Exact(integrator)
     check_starts(Predictor(setting, runs))
@@ -198,7 +198,7 @@ def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
     )
 
 
-def _checked(data: object, loss: str, starts: int) -> list[Recording]:
+def _checked(data: object, loss: str, starts: int, segments: int | None) -> list[Recording]:
     if isinstance(data, Recording):
         data = [data]
     if not is_list(data) or not len(data) or not all(isinstance(each, Recording) for each in data):
@@ -209,6 +209,13 @@ def _checked(data: object, loss: str, starts: int) -> list[Recording]:
         raise RequestError(f"no loss is named {shown(loss)}; {did_you_mean(str(loss), LOSSES)}")
     if isinstance(starts, bool) or not isinstance(starts, int) or not 1 <= starts <= 1000:
         raise RequestError(f"starts is {shown(starts)}; it must be a whole number from 1 to 1000")
+    if segments is not None and (
+        isinstance(segments, bool) or not isinstance(segments, int) or not 1 <= segments <= 1000
+    ):
+        raise RequestError(
+            f"segments is {shown(segments)}; it must be a whole number from 1, one run, to 1000 pieces, or None: where "
+            "the motion asks for them"
+        )
     return list(data)
 
 

@@ -212,6 +212,21 @@ def stencil(at: float, size: float, *, least: float = -np.inf, fine: bool) -> tu
     return weights_of(offsets), offsets
 
 
+def stencil_within(at: float, size: float, low: float, high: float, *, fine: bool) -> tuple[Array, Array]:
+    """Weights and offsets (k,) of differences of the same order that stay within bounds, of what is known at `at` as
+    well as beside: central where there is room, else on the side that has more of it, by a shorter step if it must."""
+    weights, offsets = stencil(at, size, fine=fine)
+    room = max(high - at, at - low)
+    if (low <= at + offsets[0] and at + offsets[-1] <= high) or room <= 0.0:
+        return weights, offsets
+    places = np.arange(5.0 if fine else 3.0)
+    step = min(
+        (_FAR if fine else _NEAR) * size, (1.0 - 1e-9) * room / places[-1]
+    )  # no bound is passed by round-off
+    offsets = (step if high - at >= at - low else -step) * places
+    return weights_of(offsets), offsets
+
+
 def weights_of(offsets: Array) -> Array:
     """Weights (k,) of values at offsets whose sum is the first derivative at zero of the polynomial through them."""
     scale = float(np.max(np.abs(offsets)))

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from lamc.fitting.drawn import Drawn
-from lamc.fitting.flights import Flight, Runs, Task, stencil
+from lamc.fitting.flights import Flight, Runs, Task, stencil_within
 from lamc.fitting.recorded import Run
 from lamc.fitting.setting import Setting
 from lamc.fitting.signals import Signals, signal_of
@@ -165,9 +165,10 @@ class Predictor:
         return angles, rates
 
     def _drawn(self, run: Run, at: Mapping[str, float], each: Unknown, *, fine: bool) -> Drawn:
-        """The drawings beside one, by a dimension."""
+        """The drawings beside one, by a dimension, within its bounds: beyond them there may be none."""
         value = at[each.name]
-        weights, offsets = stencil(value, abs(value) or each.size, fine=fine)
+        size = abs(value) or each.size
+        weights, offsets = stencil_within(value, size, each.free.low, each.free.high, fine=fine)
         simulators = tuple(self._simulator({**at, each.name: value + offset}) for offset in offsets)
         starts = [start_of(simulator, *self._start(run, at)) for simulator in simulators]
         return Drawn(weights, simulators, np.stack(starts))

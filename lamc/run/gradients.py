@@ -163,7 +163,7 @@ def _ticking(tape: Tape, result: "Result") -> npt.NDArray[np.bool_]:
 
 def checked_tape(result: "Result") -> Tape:
     if result.tape is None:
-        raise RequestError("the run was not taped: run it with taped=True")
+        raise RequestError(result.tape_lost or "the run was not taped: run it with taped=True")
     if not result.success:
         raise SimulationError(f"there is no gradient of a run that did not reach its end: {result.message}")
     return result.tape

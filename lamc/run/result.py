@@ -75,6 +75,9 @@ class Result(GivenOut, Viewable, Unchanging):
     sensitivities: Sensitivities | None = None  # where the run was differentiated
     kept: Kept | None = field(default=None, repr=False)  # where the run kept the energy balance
     tape: Tape | None = field(default=None, repr=False)  # where the run kept its steps; it is not pickled
+    tape_lost: str | None = field(
+        default=None, repr=False
+    )  # why there is none any more of a run that kept its steps
 
     def __post_init__(self) -> None:
         for array in (self.t, self.q, self.u):
@@ -85,8 +88,10 @@ class Result(GivenOut, Viewable, Unchanging):
         return f"<Result of {self.provenance.design!r}: {len(self.t)} rows, {n} joints; {self.message}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        kept = [each.name for each in fields(self) if each.name != "tape"]
-        return partial(type(self), **{name: getattr(self, name) for name in kept}), ()
+        kept = {each.name: getattr(self, each.name) for each in fields(self) if each.name != "tape"}
+        if self.tape is not None:
+            kept["tape_lost"] = "the tape of a run is not pickled with its result: take the gradient before"
+        return partial(type(self), **kept), ()
 
     @property
     def success(self) -> bool:
@@ -111,7 +116,12 @@ class Result(GivenOut, Viewable, Unchanging):
         if found is not None:
             found = replace(found, values=found.values[keep])
         t, q, u = self.t[keep], self.q[keep], self.u[keep]
-        return replace(self, t=t, q=q, u=u, kept=kept, sensitivities=found, tape=None)
+        lost = self.tape_lost
+        if self.tape is not None:
+            lost = (
+                "the tape is of all rows, and some are left out here: take the gradient of the whole result"
+            )
+        return replace(self, t=t, q=q, u=u, kept=kept, sensitivities=found, tape=None, tape_lost=lost)
 
     @property
     def nfev(self) -> int:
@@ -295,7 +305,8 @@ class Result(GivenOut, Viewable, Unchanging):
         """Derivatives of one number of the run by parameters: by all of them at the cost of a few runs. The run must
         have been made with taped=True.
 
-        measure  text, such as "max(tip.z)" or "rms(h2 - 10 deg)", as of `lamc.sweep`
+        measure  text, such as "max(tip.z)" or "rms(h2 - 10 deg)", as of `lamc.sweep`; it may name dimensions of the
+                 design, and parameters that the run was given
         names    parameters of the model, dimensions of the design, "angles.JOINT" and "rates.JOINT" of the start; None:
                  all parameters of the model but times at which servos sample, by which there are none. A dimension
                  takes some milliseconds besides, as its drawing is split anew

@@ -5,8 +5,8 @@ differentiated by. Never: integrates.
 
 Names are those of `Simulator.parameters`, of `Design.parameters`, "angles.JOINT" and "rates.JOINT". Derivatives of the
 equations are exact. How a drawing's numbers, and a start that loops close, follow from a dimension is known by
-differences of order 4 of what splitting and closing give, some 1e-10 of them; where two steps of differences disagree,
-as a vanishing edge makes them, the name is refused.
+differences of order 4, within declared bounds, of what splitting and closing give, some 1e-10 of them; where two steps
+of differences disagree, as a vanishing edge makes them, the name is refused.
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ from lamc.mechanics.tangents import PACE, Columns, parameter_key
 from lamc.run.derivatives import ANGLES, RATES, NoDerivative, Sensitivities, Shifted
 from lamc.run.model import Model, Motion
 from lamc.run.request import BETWEEN_STEPS, UNFOLLOWED, Along, Array
-from lamc.run.start_slopes import PLACES, STEP, WEIGHTS, agreed, slope_of_start
+from lamc.run.start_slopes import STEP, Beside, agreed, beside, slope_of_start
 from lamc.symbolic.staging import DrawnKey
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ def differentiated(
     for k, name in enumerate((*columns.names, *starts)):
         start[:, k] = paces[name].start if name in paces else slope_of_start(simulator, name)
     order = [(*columns.names, *starts).index(name) for name in asked]
-    shifted = _Shifts(simulator, dict(parameters), {name: pace.step for name, pace in paces.items()})
+    shifted = _Shifts(simulator, dict(parameters), {name: pace.beside for name, pace in paces.items()})
     along = Along(motion.parameters, directions, np.ascontiguousarray(start))
     values = dict(zip(model.parameters, motion.parameters.tolist(), strict=False))
     values |= {name: _source(simulator).parameters[name].default for name in columns.dimensions}
@@ -138,12 +138,18 @@ class Pace:
 
     inputs   (inputs,): derivatives of what `setup` is given
     start    (nq + nu,): of the start
-    step     of the dimension, SI
+    beside   where differences looked
     """
 
     inputs: Array
     start: Array
-    step: float
+    beside: Beside
+
+
+def _beside(simulator: "Simulator", name: str) -> Beside:
+    """Where differences by a dimension look: within its declared bounds, where drawings are."""
+    told = _source(simulator).parameters[name]
+    return beside(told.default, told.minimum, told.maximum)
 
 
 def _at(simulator: "Simulator", name: str, way: float) -> "Simulator":
@@ -162,9 +168,7 @@ def _at(simulator: "Simulator", name: str, way: float) -> "Simulator":
 def pace_of(simulator: "Simulator", name: str, modelled: "Callable[[Simulator], tuple[Model, Keys]]") -> Pace:
     """How a design follows from a dimension. modelled: the model with derivatives of a simulator, and the keys of its
     numbers of the drawing."""
-    design = _source(simulator)
-    value = design.parameters[name].default
-    step = STEP * abs(value) if value else STEP
+    at = _beside(simulator, name)
     model, keys = modelled(simulator)
     count = len(model.parameters) + len(keys)
 
@@ -175,16 +179,15 @@ def pace_of(simulator: "Simulator", name: str, modelled: "Callable[[Simulator], 
             raise RequestError(f"there is no derivative by {name!r}: beside its value other numbers count")
         return np.concatenate([made.defaults, made.geometry, other.start])
 
-    found = agreed(numbers, step, name)
-    return Pace(found[:count], found[count:], step)
+    found = agreed(numbers, at, name)
+    return Pace(found[:count], found[count:], at)
 
 
 def drawn_beside(simulator: "Simulator", name: str) -> "Iterator[tuple[float, Mechanism]]":
     """Drawings with other values of a dimension, and their parts in a difference."""
-    value = _source(simulator).parameters[name].default
-    step = STEP * abs(value) if value else STEP
-    for place, weight in zip(PLACES, WEIGHTS, strict=True):
-        yield weight / step, _at(simulator, name, place * step).mechanism
+    at = _beside(simulator, name)
+    for place, weight in zip(at.places, at.weights, strict=True):
+        yield weight / at.step, _at(simulator, name, place * at.step).mechanism
 
 
 def _motion(
@@ -215,23 +218,23 @@ class _Shifts:
 
     simulator: "Simulator"
     parameters: Mapping[str, float | str]
-    steps: Mapping[str, float]  # of dimensions
+    dimensions: Mapping[str, Beside]
 
     def __call__(self, name: str) -> tuple[Shifted, ...]:
         simulator = self.simulator
-        if name in self.steps:
-            step = self.steps[name]
-            sims = [_at(simulator, name, place * step) for place in PLACES]
+        if name in self.dimensions:
+            at = self.dimensions[name]
+            sims = [_at(simulator, name, place * at.step) for place in at.places]
             made = [(each.mechanism, each.model.motion(self.parameters)) for each in sims]
         else:
             motion, k = simulator.model.motion(self.parameters), simulator.model.parameters.index(name)
             value = float(motion.parameters[k])
-            step = STEP * abs(value) if value else STEP
+            at = Beside(STEP * abs(value) if value else STEP)
             made = []
-            for place in PLACES:
+            for place in at.places:
                 moved = motion.parameters.copy()
-                moved[k] += place * step
+                moved[k] += place * at.step
                 made.append(
                     (simulator.mechanism, Motion(simulator.model, moved, 0.0, motion.following.series))
                 )
-        return tuple(Shifted(w / step, *each) for w, each in zip(WEIGHTS, made, strict=True))
+        return tuple(Shifted(w / at.step, *each) for w, each in zip(at.weights, made, strict=True))

@@ -5,7 +5,7 @@ know it, which dimensions of a design take too.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +23,31 @@ STEP = 1e-3  # of a number, or of a radian: differences of order 4 then err by 1
 AGREE = 1e-7
 PLACES, WEIGHTS = (-2.0, -1.0, 1.0, 2.0), (1.0 / 12.0, -2.0 / 3.0, 2.0 / 3.0, -1.0 / 12.0)
 
+# At a declared bound all points lie on one side of it: of order 4 as well, and err six times as much.
+_FORWARD = (0.0, 1.0, 2.0, 3.0, 4.0), (-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -1.0 / 4.0)
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Where differences of order 4 by a number look: at places times the step from its value; weights are of these."""
+
+    step: float
+    places: tuple[float, ...] = PLACES
+    weights: tuple[float, ...] = WEIGHTS
+
+
+def beside(value: float, least: float | None, most: float | None) -> Beside:
+    """Where differences look beside a value that lies between bounds: on either side where there is room, else on the
+    side that has more of it, by a shorter step if it must be."""
+    step = STEP * abs(value) if value else STEP
+    below = np.inf if least is None else value - least
+    above = np.inf if most is None else most - value
+    if min(below, above) >= -PLACES[0] * step or max(below, above) <= 0.0:
+        return Beside(step)
+    places, weights = _FORWARD
+    step = min(step, (1.0 - 1e-9) * max(below, above) / places[-1])  # a bound is not passed by round-off
+    return Beside(step if above >= below else -step, places, weights)
+
 
 def slope_of_start(simulator: "Simulator", name: str) -> Array:
     """Derivative of the start by a parameter of the scene, an angle or a rate."""
@@ -39,7 +64,7 @@ def slope_of_start(simulator: "Simulator", name: str) -> Array:
 
     if len({*given, joint}) > simulator.freedoms and simulator.cut_joints:
         return _held(simulator, joint, list(given), first)
-    return agreed(start, STEP, name)
+    return agreed(start, Beside(STEP), name)
 
 
 def _held(simulator: "Simulator", joint: str, given: Sequence[str], first: int) -> Array:
@@ -69,12 +94,12 @@ def _held(simulator: "Simulator", joint: str, given: Sequence[str], first: int) 
     return result
 
 
-def agreed(values: Callable[[float], Array], step: float, name: str) -> Array:
+def agreed(values: Callable[[float], Array], at: Beside, name: str) -> Array:
     """The derivative by differences of order 4. Raises RequestError where two steps disagree."""
     try:
         first, second = (
-            sum(w * values(p * h) for p, w in zip(PLACES, WEIGHTS, strict=True)) / h
-            for h in (step, 0.5 * step)
+            sum(w * values(p * h) for p, w in zip(at.places, at.weights, strict=True)) / h
+            for h in (at.step, 0.5 * at.step)
         )
     except LamcError as error:
         why = str(error).removeprefix(f"there is no derivative by {name!r}: ")
@@ -83,7 +108,7 @@ def agreed(values: Callable[[float], Array], step: float, name: str) -> Array:
     if not np.all(np.abs(first - second) <= AGREE * size):
         raise RequestError(
             f"there is no derivative by {name!r}: what follows from it jumps beside its value, by differences of "
-            f"{step:.3g} and half of it"
+            f"{abs(at.step):.3g} and half of it"
         )
     result: Array = np.asarray(second)
     return result

@@ -149,6 +149,16 @@ def test_files_that_do_not_fit_are_told_in_a_line(text: str, words: tuple[str, .
     assert re.search(message, said.stderr), said.stderr
 
 
+@pytest.mark.parametrize("words", [("--film", "--camera", "sidee"), ("--camera", "sidee"), ("--size", "3")])
+def test_a_view_that_is_none_is_told_before_anything_is_read(words: tuple[str, ...]) -> None:
+    said = call("fit", "rod.yaml", "--data", "nowhere.csv", "--free", "h1.stiffness", *words)
+    assert said.exit_code == 2
+    assert "nowhere.csv" not in said.output
+    assert f"{words[-2][2:]} is" in said.stderr
+    assert "bug" not in said.stderr
+    assert len(said.stderr.strip().splitlines()) == 1
+
+
 def test_an_empty_column_is_left_out_with_a_word(recwarn: pytest.WarningsRecorder) -> None:
     lines = Path("run1.csv").read_text(encoding="utf-8").splitlines()
     text = "\n".join(f"{line},{'h1.rate' if k == 0 else 'nan'}" for k, line in enumerate(lines))

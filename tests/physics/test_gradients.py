@@ -244,6 +244,28 @@ def test_points_follow_from_lengths() -> None:
         assert found[name] == pytest.approx(along.sensitivity("shelf.x", name)[-1], rel=1e-7)
 
 
+def test_measures_name_dimensions_and_what_the_run_was_given() -> None:
+    """Of a quotient: (x / l)' = x' / l - x / l², and by another name x' / l; x' as measured alone."""
+    sim = lamc.compile(example("four_bar"))
+    given = {"link.stiffness": 1e-5}
+    names = ["arm_length", "link.stiffness"]
+    result = sim.run(t_end=0.3, t_eval=[0.0, 0.3], parameters=given, taped=True)
+    x, length, k = result.gradient("last(shelf.x)", names), 0.04, 1e-5
+    by_length = result.gradient("last(shelf.x) / arm_length", names)
+    assert by_length.value == pytest.approx(x.value / length, rel=1e-12)
+    assert by_length["link.stiffness"] == pytest.approx(x["link.stiffness"] / length, rel=1e-9)
+    assert by_length["arm_length"] == pytest.approx(x["arm_length"] / length - x.value / length**2, rel=1e-9)
+    by_spring = result.gradient("last(shelf.x) * link.stiffness", names)
+    assert by_spring["link.stiffness"] == pytest.approx(x["link.stiffness"] * k + x.value, rel=1e-9)
+    assert by_spring["arm_length"] == pytest.approx(x["arm_length"] * k, rel=1e-9)
+    with pytest.raises(
+        lamc.RequestError, match=r"'arm\.stiffness' is a parameter .*where the run was given it"
+    ):
+        result.gradient("last(shelf.x) * arm.stiffness")
+    with pytest.raises(lamc.LamcError, match="did you mean 'arm_length'"):
+        result.gradient("last(shelf.x) / arm_lenght")
+
+
 def test_more_parameters_cost_no_more_steps_backwards() -> None:
     """The way back is one for all names: what it evaluates does not depend on them."""
     sim = lamc.compile(chain(3))
@@ -262,8 +284,16 @@ def test_more_parameters_cost_no_more_steps_backwards() -> None:
 def test_a_run_without_a_tape_has_none() -> None:
     sim = lamc.compile(oscillator(), lamc.Scene(effects=(lamc.HingeStiffness(),), angles={"h": 0.3}))
     plain, taped = sim.run(t_end=0.1), sim.run(t_end=0.1, taped=True)
-    for result in (plain, pickle.loads(pickle.dumps(taped)), taped.at_rows(taped.t > 0.05)):
-        with pytest.raises(lamc.RequestError, match="was not taped"):
+    pickled = pickle.loads(pickle.dumps(taped))
+    for result, words in (
+        (plain, "was not taped"),
+        (pickle.loads(pickle.dumps(plain)), "was not taped"),
+        (pickled, "is not pickled with its result"),
+        (pickle.loads(pickle.dumps(pickled)), "is not pickled with its result"),
+        (pickled.at_rows(taped.t > 0.05), "is not pickled with its result"),
+        (taped.at_rows(taped.t > 0.05), "some are left out here"),
+    ):
+        with pytest.raises(lamc.RequestError, match=words):
             result.gradient("last(h)")
     short = sim.run(t_end=10.0, max_steps=5, taped=True)
     with pytest.raises(lamc.SimulationError, match="did not reach its end"):

@@ -86,6 +86,12 @@ def test_fits_that_cannot_be(
         lamc.fit(design, recording, free)  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("segments", [0, -1, 2.5, "6", True, 10**9])
+def test_segments_are_a_whole_number(design: lamc.Design, segments: object) -> None:
+    with pytest.raises(lamc.RequestError, match=r"segments is .*must be a whole number from 1, one run, to"):
+        lamc.fit(design, moved(), ["h1.stiffness"], segments=segments)  # type: ignore[arg-type]
+
+
 def test_an_effect_that_does_not_act_is_named() -> None:
     ground = lamc.Body(name="ground", fixed=True)
     flap = lamc.Body(name="flap", mass=2e-3, com=(0.0, 0.0, -0.02), inertia=np.diag([4e-7, 4e-7, 1e-8]))

@@ -5,6 +5,8 @@ Never: joins rims and cuts, which may lie side by side; nor layers of a folded s
 """
 
 from collections.abc import Sequence
+from itertools import product
+from operator import add
 
 import numpy as np
 
@@ -106,10 +108,26 @@ def _at_creases(
 
 
 def _places(vertices: Array) -> list[int]:
-    """A number for each vertex; those at one place have the same."""
+    """A number for each vertex; those at one place have the same: in one cell of a grid, or in cells that touch, as
+    places on both sides of a line of the grid are one. (Pairs of near vertices could be as many as their square.)"""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     size = float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
-    rounded = np.round(vertices / (_SAME * size))
-    return np.unique(rounded, axis=0, return_inverse=True)[1].reshape(-1).tolist()
+    cells, of_cell = np.unique(np.round(vertices / (_SAME * size)), axis=0, return_inverse=True)
+    index = {cell: k for k, cell in enumerate(map(tuple, cells.tolist()))}
+    ways = [way for way in product((-1, 0, 1), repeat=vertices.shape[1]) if way > (0,) * len(way)]
+    links = [
+        (k, near)
+        for cell, k in index.items()
+        for way in ways
+        if (near := index.get(tuple(map(add, cell, way)))) is not None
+    ]
+    pairs = np.array(links, dtype=np.int64).reshape(-1, 2)
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(cells), len(cells)))
+    places = connected_components(graph, directed=False)[1]
+    found: list[int] = places[of_cell.reshape(-1)].tolist()
+    return found
 
 
 def _counts(faces: Faces) -> dict[Edge, int] | None:

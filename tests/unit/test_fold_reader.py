@@ -520,3 +520,28 @@ def test_creases_to_one_side_of_a_line_do_not_fold(
     sheet, told = fan(tmp_path, *directions)
     assert len(sheet.joints) == hinges
     assert any("to one side of a line" in note for note in told) == (hinges < len(directions) > 2)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-15, 1e-11, 1e-10])
+def test_facets_with_corners_of_their_own_are_joined_whatever_their_last_digits(
+    tmp_path: Path, noise: float
+) -> None:
+    """A strip of ten, each with four vertices of its own, of which a grid of places would part some."""
+    rng = np.random.default_rng(0)
+    corners = [[(k, 0.0), (k + 1, 0.0), (k + 1, 1.0), (k, 1.0)] for k in range(10)]
+    exact = np.array([[3.7 * x + 0.13 * y, x + 4.1 * y] for facet in corners for x, y in facet])
+    data = {
+        "vertices_coords": (exact + 37.0 * noise * rng.uniform(-1.0, 1.0, exact.shape)).tolist(),
+        "edges_vertices": [[4 * k + i, 4 * k + (i + 1) % 4] for k in range(10) for i in range(4)],
+        "edges_assignment": [
+            "V" if (i == 1 and k < 9) or (i == 3 and k > 0) else "B" for k in range(10) for i in range(4)
+        ],
+        "faces_vertices": [list(range(4 * k, 4 * k + 4)) for k in range(10)],
+    }
+    file = tmp_path / "strip.fold"
+    file.write_text(json.dumps(data), encoding="utf-8")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        found = lamc.load(file)
+    assert isinstance(found, lamc.Mechanism)
+    assert len(found.joints) == 9

@@ -31,7 +31,7 @@ from lamc.studies.targets import Made
 if TYPE_CHECKING:
     from lamc.fitting.candidates import Candidate
 
-_CORRELATED = 0.3  # of neighbouring residuals, beyond which intervals are too narrow to believe
+_CORRELATED = 0.3  # of neighbouring rows, beyond which they are no noise, and intervals too narrow to believe
 _ROWS = 200  # a second, of results
 
 
@@ -60,11 +60,13 @@ class Compared:
         return dict(zip(self.columns, found.tolist(), strict=True))
 
     def share_text(self, column: str) -> str:
-        """Of the column's variance what the model leaves, in words."""
-        k = self.columns.index(column)
-        if float(np.ptp(self.predicted[:, k])) < self.rms[column]:
+        """Of the column's variance what the model leaves, in words: none where what was recorded is at rest, as the
+        model has it, and its variance that of noise."""
+        k, share = self.columns.index(column), self.share[column]
+        stands = float(np.ptp(self.predicted[:, k])) < self.rms[column]
+        if np.isnan(share) or (stands and not _is_alike(likeness(self.measured[:, k]))):
             return "at rest"
-        return f"{self.share[column]:.2%}"
+        return f"{share:.2%}"
 
     @property
     def share(self) -> dict[str, float]:
@@ -228,13 +230,18 @@ def compared_of(predictor: Predictor, solved: Solved) -> tuple[Compared, ...]:
     return tuple(found)
 
 
+def _is_alike(likeness_of: tuple[float, int] | None) -> bool:
+    """Whether neighbouring rows are more alike than those of noise."""
+    return likeness_of is not None and likeness_of[0] > _CORRELATED + 2.0 / np.sqrt(likeness_of[1])
+
+
 def remarks(compared: tuple[Compared, ...]) -> list[str]:
     """Where residuals are no noise."""
     found = []
     for each in compared:
         for k, column in enumerate(each.columns):
             alike = likeness(each.residuals[:, k])
-            if alike is not None and alike[0] > _CORRELATED + 2.0 / np.sqrt(alike[1]):
+            if alike is not None and _is_alike(alike):
                 found.append(
                     f"{each.name}: what is left of {column} is alike from row to row (correlation {alike[0]:.2f}): "
                     "the model misses something, and the intervals are too narrow"

@@ -1,0 +1,29 @@
+"""What a fit leaves of a column's variance, in words."""
+
+import numpy as np
+import pytest
+
+from lamc.fitting.answer import Compared
+
+T = np.linspace(0.0, 2.0, 201)
+NOISE = 1e-3 * np.random.default_rng(0).normal(size=len(T))
+SWING = 1.3 * np.cos(5.0 * T)  # 150 degrees from end to end
+
+
+@pytest.mark.parametrize(
+    ("measured", "predicted", "text"),
+    [
+        (SWING + NOISE, SWING, "0.00%"),
+        (SWING + NOISE, 0.01 * SWING, "98."),  # a hopeless model: what was recorded swings all the same
+        (SWING, np.full(len(T), np.mean(SWING)), "100.00%"),
+        (NOISE, np.zeros(len(T)), "at rest"),
+        (NOISE, 1e-4 * SWING, "at rest"),
+        (np.zeros(len(T)), np.zeros(len(T)), "at rest"),
+        (np.where(T < 1.0, SWING, np.nan), 0.01 * SWING, "105."),  # as much as no model, and its mean besides
+    ],
+)
+def test_only_what_was_recorded_at_rest_is_called_so(
+    measured: np.ndarray, predicted: np.ndarray, text: str
+) -> None:
+    compared = Compared("run", T, ("h",), ("rad",), measured[:, None], predicted[:, None])
+    assert compared.share_text("h").startswith(text)

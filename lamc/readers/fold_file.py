@@ -34,6 +34,8 @@ UNITS = {
 }
 LARGEST = 1e12  # of a coordinate: squares and products of such numbers stay finite and are told apart
 
+LINK = "a link to a hole"  # the source of an edge that no line draws: it joins a hole to the rim about it
+
 _MARKS = re.compile(
     r'"(?:file_spec|file_frames|frame_classes|vertices_coords|edges_vertices|faces_vertices)"\s*:'
 )

@@ -25,7 +25,7 @@ from lamc.readers.fold_faces import (
     overlap,
     polygons_of,
 )
-from lamc.readers.fold_file import FoldFrame
+from lamc.readers.fold_file import LINK, FoldFrame
 from lamc.readers.fold_flat import Beside, Corners, angles_of, laid_flat, normals_of
 from lamc.readers.fold_groups import IN_LINE, Crease, grouped, joined_edges, pieces_of
 from lamc.readers.fold_hinges import Hinges
@@ -139,12 +139,8 @@ class _Sheet:
             angle = said.start_angle if said else facets.angles.get(crease.edges[0], 0.0)
             if abs(angle) > _TURNED:
                 start[joint.name] = angle
-        level = [k for k in facets.joined if frame.kinds[k] == "F"]
-        if level and not joints:
-            self.notes.append(
-                f"nothing folds: {frame.told(level)} flat (F), so that facets are one body; mark creases M, V or U, or "
-                "let facets bend along them (--facets bend)"
-            )
+        if not joints:
+            self._tell_still(facets.joined)
         name = frame.title.strip() or stem or "sheet"
         name = "".join(c for c in name if c.isprintable())[:100] or "sheet"
         flat = Mechanism(tuple(bodies), tuple(joints), name)
@@ -152,6 +148,22 @@ class _Sheet:
             start = fitted(flat, start, self.notes)
         scene = Scene(angles=start, closure_tolerance=OFF * self.size)
         return replace(flat, scene=scene), self.notes
+
+    def _tell_still(self, joined: Sequence[int]) -> None:
+        """That nothing folds, and why, unless that is told already."""
+        frame = self.frame
+        drawn = [k for k in joined if not frame.sources or frame.sources[k] != LINK]
+        level = [k for k in drawn if frame.kinds[k] == "F"]
+        if level:
+            self.notes.append(
+                f"nothing folds: {frame.told(level)} flat (F), so that facets are one body; mark creases M, V or U, or "
+                "let facets bend along them (--facets bend)"
+            )
+        elif not drawn and not frame.own:
+            how = "red for mountains, blue for valleys" if frame.sources else "M, V or U"
+            self.notes.append(
+                f"nothing folds: no crease lies between two facets; draw creases from rim to rim ({how})"
+            )
 
     def facets(self) -> _Facets:
         """Faces, flat or laid flat. Raises DesignError where they cannot be."""

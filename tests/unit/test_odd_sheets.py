@@ -108,3 +108,29 @@ def test_a_stroke_that_is_not_understood_is_told_as_that(tmp_path: Path, stroke:
     assert len(sheet.joints) == 2
     with pytest.raises(LamcError, match="is not understood"):
         loaded(tmp_path / "a.svg", svg(line).replace('stroke="black"', 'stroke="none"'))
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("rim.svg", svg()),
+        ("hole.svg", svg('<circle cx="20" cy="10" r="4" fill="none" stroke="black"/>')),
+        (
+            "rim.fold",
+            json.dumps(
+                {
+                    "vertices_coords": [[0, 0], [40, 0], [40, 20], [0, 20]],
+                    "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 0]],
+                    "edges_assignment": list("BBBB"),
+                }
+            ),
+        ),
+    ],
+)
+def test_a_sheet_without_a_crease_is_told_to_stay_flat(tmp_path: Path, name: str, text: str) -> None:
+    sheet, told = loaded(tmp_path / name, text)
+    assert len(sheet.bodies) == 1
+    (note,) = [note for note in told if "nothing folds" in note]
+    assert "no crease lies between two facets" in note
+    _, told = loaded(tmp_path / "a.svg", svg(CREASE))
+    assert not any("nothing folds" in note for note in told)

@@ -19,7 +19,7 @@ from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.outlines import hull, material, parting
 from lamc.readers.drawings.telling import full_notes, name_of, told
 from lamc.readers.fold_faces import Edge
-from lamc.readers.fold_file import FoldFrame
+from lamc.readers.fold_file import LINK, FoldFrame
 from lamc.readers.fold_sheet import sheet_mechanism
 from lamc.readers.mechanism_as_such import SheetAsSuch
 from lamc.records.card import SheetOptions
@@ -91,7 +91,7 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
         1.0,
         {},
         tuple(notes),
-        tuple("a link to a hole" if (k := owners[e]) is None else name_of(strokes, k) for e in used),
+        tuple(LINK if (k := owners[e]) is None else name_of(strokes, k) for e in used),
         2.0 * tolerance,  # an end may have moved by twice it
     )
     return frame, (*graph.mends, *loose, *beyond), tolerance

@@ -38,6 +38,7 @@ from lamc.report.look import FORMATS, Look
 from lamc.report.loops_text import loops_data
 from lamc.report.parameters_text import parameters_data
 from lamc.report.run_text import RunReport, energy_drift, summary
+from lamc.run.defaults import MAX_STEPS
 from lamc.run.files import energy_balance_data, write_csv, write_npz
 from lamc.run.length import Length, length_of
 from lamc.run.outputs import outputs_of
@@ -87,7 +88,7 @@ def run(order: RunOrder, terminal: Terminal) -> int:
             mechanism = mechanism_of(loaded, times, progress)
             scene, account = changed_scene(mechanism, order.changes)
             simulator = compile_design(mechanism, scene, order.source.options, times)
-            length = length_of(order.t_end, order.max_steps, simulator)
+            length = length_of(order.t_end, _steps(order), simulator)
             _check_points(order.points, len(simulator.start))
             parameters = of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters))
             with times.stage("run"):
@@ -98,6 +99,11 @@ def run(order: RunOrder, terminal: Terminal) -> int:
     terminal.say(summary(report, folder, files, verbose=order.verbose))
     terminal.result(_data(report) | {"folder": str(folder), "files": files})
     return _ending(result, folder, terminal, interrupted=interrupted, is_enough=bool(enough))
+
+
+def _steps(order: RunOrder) -> int | None:
+    """Tried at most; None: nobody says, and an early end is as good. An accuracy is asked for of the whole run."""
+    return MAX_STEPS if order.max_steps is None and order.accuracy is not None else order.max_steps
 
 
 def _check_points(points: int | None, size: int) -> None:
@@ -229,6 +235,7 @@ def _data(report: RunReport) -> dict[str, Any]:
     result, mechanism, simulator = report.result, report.simulator.mechanism, report.simulator
     return {
         "ok": result.success or bool(report.enough),
+        "complete": result.success,
         "design": mechanism.name,
         "lamc_version": __version__,
         "source": report.source,

@@ -11,6 +11,10 @@ from lamc.run.request import Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 
+_MANY = (
+    20_000  # steps; a device that does not come to 10 s in so many is stuck, and has failed when it gives up
+)
+
 
 @dataclass(frozen=True)
 class Length:
@@ -47,4 +51,6 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
     if t_end is not None or duration:
         return Length(end, MAX_STEPS)
     steps = default_steps(len(simulator.joints), simulator.freedoms, has_loops=bool(simulator.cut_joints))
-    return Length(end, steps, steps < MAX_STEPS)
+    if steps >= _MANY:
+        return Length(end, MAX_STEPS)
+    return Length(end, steps, is_own=True)

@@ -36,6 +36,7 @@ def test_a_run_without_a_length_ends_after_so_much_work_and_says_so() -> None:
     done, manifest = run()
     assert done.exit_code == 0, done.output
     assert manifest["ok"] is True
+    assert manifest["complete"] is False
     assert manifest["status"] == "step_limit"
     assert manifest["rows"] == 1 + manifest["stats"]["accepted"]  # type: ignore[index]
     assert manifest["stats"]["steps"] == 25  # type: ignore[index]
@@ -45,7 +46,7 @@ def test_a_run_without_a_length_ends_after_so_much_work_and_says_so() -> None:
 
 
 @pytest.mark.usefixtures("little_work")
-@pytest.mark.parametrize("words", [["--t-end", "0.5"], ["--scene", "driven"]])
+@pytest.mark.parametrize("words", [["--t-end", "0.5"], ["--scene", "driven"], ["--accuracy", "1e-3"]])
 def test_a_length_that_is_given_is_run_whatever_the_work(words: list[str]) -> None:
     done, manifest = run(*words)
     assert done.exit_code == 0, done.output

@@ -20,6 +20,7 @@ MOST_COLUMNS = 10_000
 
 Row = tuple[int, tuple[str, ...]]
 _GAPS = ("", "nan", "none", "null", "-")
+_MARKS = {"\t": "tab", ";": "semicolon", ",": "comma"}
 _BYTE_ORDERS = (b"\xff\xfe", b"\xfe\xff")
 
 
@@ -83,8 +84,8 @@ def cells_of(line: str, mark: str) -> tuple[str, ...]:
     return tuple(cell.strip().strip('"').strip() for cell in line.split(mark))
 
 
-def numbers_of(cells: Cells, count: int, rows: Sequence[Row]) -> Iterator[list[float]]:
-    """Numbers of rows by `count` columns, NaN for gaps."""
+def numbers_of(cells: Cells, count: int, rows: Sequence[Row], fewest: int = 0) -> Iterator[list[float]]:
+    """Numbers of rows by `count` columns, NaN for gaps. fewest: cells that a row has, though they may be empty."""
     comma = point = ""
     for number, row in rows:
         if len(row) > count and any(row[count:]):
@@ -95,6 +96,12 @@ def numbers_of(cells: Cells, count: int, rows: Sequence[Row]) -> Iterator[list[f
             )
             raise DesignError(
                 f"a line of {len(row)} columns below a heading of {count}{hint}", cells.place(number)
+            )
+        if len(row) < fewest:
+            raise DesignError(
+                f"a line of {len(row)} columns below a heading of {count}: what is missing might be any of them; leave "
+                f"the cells of gaps empty, each behind its {_MARKS[cells.mark]}",
+                cells.place(number),
             )
         found = []
         for cell in (*row, *[""] * (count - len(row)))[:count]:

@@ -109,12 +109,7 @@ def _shared(
     free = free_of(given, name, target.unit)
     own = target.default
     if target.kind == "dimension":
-        least, most = target.minimum, target.maximum
-        free = replace(
-            free,
-            low=max(free.low, -math.inf if least is None else least),
-            high=min(free.high, math.inf if most is None else most),
-        )
+        free = _declared(name, free, target)
         return unknown(
             name,
             "dimension",
@@ -137,6 +132,22 @@ def _shared(
         size=abs(own or 0.0) or 1.0,
         positive=limits.least == 0.0,
     )
+
+
+def _declared(name: str, free: Free, target: Target) -> Free:
+    """What of a range the design lets a dimension be. Raises RequestError where that is nothing."""
+    least = -math.inf if target.minimum is None else target.minimum
+    most = math.inf if target.maximum is None else target.maximum
+    unit = "" if target.unit == "1" else f" {target.unit}"
+    declared = f"its declared bounds, {least:g}{unit} … {most:g}{unit}"
+    if not (free.low < most and least < free.high):
+        raise RequestError(
+            f"{name!r}: the range {free.low:g}{unit} … {free.high:g}{unit} lies outside of {declared}; take one "
+            "within them"
+        )
+    if free.start is not None and not least <= free.start <= most:
+        raise RequestError(f"{name!r}: the start {free.start:g}{unit} lies outside of {declared}; move it")
+    return replace(free, low=max(free.low, least), high=min(free.high, most))
 
 
 def _check_possible(name: str, free: Free, least: float, most: float) -> None:

@@ -22,6 +22,7 @@ MOST_COLUMNS = 10_000
 Row = tuple[int, tuple[str, ...]]
 _GAPS = ("", "nan", "none", "null", "-")
 _THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}(?:,[0-9]{3})+")
+_MARKS = {"\t": "tab", ";": "semicolon", ",": "comma"}
 _BYTE_ORDERS = (b"\xff\xfe", b"\xfe\xff")
 
 
@@ -85,8 +86,8 @@ def cells_of(line: str, mark: str) -> tuple[str, ...]:
     return tuple(cell.strip().strip('"').strip() for cell in line.split(mark))
 
 
-def numbers_of(cells: Cells, count: int, rows: Sequence[Row]) -> Iterator[list[float]]:
-    """Numbers of rows by `count` columns, NaN for gaps."""
+def numbers_of(cells: Cells, count: int, rows: Sequence[Row], fewest: int = 0) -> Iterator[list[float]]:
+    """Numbers of rows by `count` columns, NaN for gaps. fewest: cells that a row has, though they may be empty."""
     comma = point = ""
     thousands = _Thousands(cells, count)
     for number, row in rows:
@@ -98,6 +99,12 @@ def numbers_of(cells: Cells, count: int, rows: Sequence[Row]) -> Iterator[list[f
             )
             raise DesignError(
                 f"a line of {len(row)} columns below a heading of {count}{hint}", cells.place(number)
+            )
+        if len(row) < fewest:
+            raise DesignError(
+                f"a line of {len(row)} columns below a heading of {count}: what is missing might be any of them; leave "
+                f"the cells of gaps empty, each behind its {_MARKS[cells.mark]}",
+                cells.place(number),
             )
         found = []
         for column, cell in enumerate((*row, *[""] * (count - len(row)))[:count]):

@@ -177,7 +177,7 @@ def by_names(result: "Result", names: Sequence[str] | None, pulled: Pulled) -> d
     ticking = _ticking(tape, result)
     silent = {name for name, moves in zip(model.parameters, ticking, strict=False) if moves}
     usual = tuple(name for name in model.parameters if name not in silent)
-    asked = usual if names is None else checked_names(simulator, names)
+    asked = usual if names is None else checked_names(simulator, names, "names")
     place = {name: k for k, name in enumerate(model.parameters)}
     given = [place[name] for name in tape.parameters if name in place]
     found: dict[str, float] = {}

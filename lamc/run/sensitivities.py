@@ -100,19 +100,18 @@ def differentiated(
     return Differentiated(motion, along, asked, tuple(order), shifted, sizes)
 
 
-def checked_names(simulator: "Simulator", names: object) -> tuple[str, ...]:
+def checked_names(simulator: "Simulator", names: object, word: str = "sensitivities") -> tuple[str, ...]:
+    """Names by which a run is differentiated; word: what the caller knows them by. Raises RequestError."""
     asked = tuple(names) if isinstance(names, Iterable) and not isinstance(names, str) else None
     if asked is None or not all(isinstance(name, str) for name in asked):
-        raise RequestError(
-            f"sensitivities is {names!r}; it must be a list of names, such as ['h1.stiffness']"
-        )
+        raise RequestError(f"{word} is {names!r}; it must be a list of names, such as ['h1.stiffness']")
     starts = [f"{prefix}{joint}" for joint in simulator.joints for prefix in (ANGLES, RATES)]
     for name in asked:
         if name not in simulator.parameters and name not in starts and not _is_dimension(simulator, name):
             known = [*simulator.parameters, *_dimensions(simulator), *starts]
             raise RequestError(f"no run is differentiated by {name!r}; {did_you_mean(name, known)}")
     if len(set(asked)) < len(asked):
-        raise RequestError(f"sensitivities is {list(asked)!r}; every name may stand there once")
+        raise RequestError(f"{word} is {list(asked)!r}; every name may stand there once")
     return asked
 
 

@@ -69,6 +69,20 @@ def test_a_fit_finds_a_length_at_its_bound(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ("1:2", r"'arm_length': the range 1 m … 2 m lies outside of its declared bounds, 0\.02 m … 0\.05 m"),
+        ((0.001, 0.02), r"the range 0\.001 m … 0\.02 m lies outside of its declared bounds"),
+        ("60 mm ± 1 mm", r"'arm_length': the start 0\.06 m lies outside of its declared bounds"),
+    ],
+)
+def test_ranges_outside_of_declared_bounds_are_told(tmp_path: Path, given: object, message: str) -> None:
+    data = lamc.Recording(T, {"arm": 0.1 * T})
+    with pytest.raises(lamc.RequestError, match=message):
+        lamc.fit(four_bar(tmp_path), data, {"arm_length": given})
+
+
 def test_places_stay_within_bounds_and_know_polynomials() -> None:
     """Differences of order 4 are exact of polynomials of degree 4, those of order 2 of degree 2."""
     for low, high in ((-np.inf, np.inf), (1.0, 3.0), (0.5, 1.0), (1.0 - 1e-5, 1.0 + 2e-6), (0.9999, 1.0)):

@@ -330,6 +330,12 @@ def test_measures_and_names_without_a_gradient_are_refused() -> None:
             result.gradient(measure)
     with pytest.raises(lamc.RequestError, match=r"did you mean 'link\.stiffness'"):
         result.gradient("last(arm)", ["link.stifness"])
+    with pytest.raises(lamc.RequestError, match="names is 'arm_length'; it must be a list"):
+        result.gradient("last(arm)", "arm_length")
+    with pytest.raises(
+        lamc.RequestError, match=r"names is \['gap', 'gap'\]; every name may stand there once"
+    ):
+        result.gradient("last(arm)", ["gap", "gap"])
 
 
 def test_two_impacts_at_one_instant_have_no_gradient() -> None:

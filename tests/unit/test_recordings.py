@@ -64,6 +64,21 @@ def test_motive_takes_positions_in_their_unit(tmp_path: Path) -> None:
     assert np.isnan(table.columns["Tip:1.z"][1])
 
 
+def test_an_empty_last_cell_is_a_gap(tmp_path: Path) -> None:
+    table = read(
+        tmp_path, "t,h1,h2,\n0,1,2\n0.25,3,\n0.5,,5,\n"
+    )  # a mark behind the last column is no column
+    assert table.columns["h1"].tolist()[:2] == [1.0, 3.0]
+    assert np.isnan(table.columns["h2"]).tolist() == [False, True, False]
+
+
+def test_tracker_and_motive_may_leave_the_last_marks_away(tmp_path: Path) -> None:
+    both = read(tmp_path, TRACKER.replace("\t\t4.1\t", ""))
+    assert np.isnan(both.columns["mid A.y"]).tolist() == [False, True]
+    motive = read(tmp_path, MOTIVE.replace("0.1,,,", "0.1"))
+    assert np.isnan(motive.columns["Tip:1.z"]).tolist() == [False, True]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -86,6 +101,11 @@ def test_motive_takes_positions_in_their_unit(tmp_path: Path) -> None:
         ("# swing\n0,1\n0.1,2\n", "run.csv:2.*must name the columns"),
         ("\n \n,,\n", "no rows"),
         ("t,h1\n0,1\n0,1,5\n", "run.csv:3.*a line of 3 columns below a heading of 2"),
+        ("t,h1,h2\n0,1,2\n0.25,3\n", "run.csv:3.*a line of 2 columns below a heading of 3.*behind its comma"),
+        (
+            "t;h1;h2\n0;1;2\n0,25\n",
+            "run.csv:3.*a line of 1 columns below a heading of 3.*behind its semicolon",
+        ),
         ("0,1\n1,2\n", "run.csv:1.*must name the columns"),
         ("zeit,h1\n0,1\n1,2\n", "run.csv:1.*no column is named 't'.*--map COLUMN=t"),
         ("t,h1,h1\n0,1,1\n1,2,1\n", "run.csv:1.*two columns are named 'h1'"),

@@ -20,6 +20,9 @@ from lamc.studies.axes import axis_of
 
 _DECADE = 10.0
 _WIDE = 1e8  # a positive number without bounds is looked for from a part to as many times of where it begins
+_ROUND_OFF = (
+    1e-14  # of a number: exp(log(x)) is off by |log x| units in the last place, some 20 of 2e-16 at 1e-8
+)
 _PRIOR = re.compile(r"\s*(.*?)\s*(?:±|\+-)\s*(.*?)\s*\Z")
 
 
@@ -48,7 +51,13 @@ class Unknown:
         return math.log(value) if self.log else value
 
     def value(self, inner: float) -> float:
-        return math.exp(min(inner, 700.0)) if self.log else inner
+        if not self.log:
+            return inner
+        found = math.exp(min(inner, 700.0))
+        for bound in (self.free.low, self.free.high):  # which the logarithm and back may pass by round-off
+            if math.isclose(found, bound, rel_tol=_ROUND_OFF):
+                return bound
+        return found
 
 
 @dataclass(frozen=True)

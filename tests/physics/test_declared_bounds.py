@@ -69,6 +69,16 @@ def test_a_fit_finds_a_length_at_its_bound(tmp_path: Path) -> None:
     )
 
 
+def test_logarithms_do_not_pass_a_bound(tmp_path: Path) -> None:
+    """exp(log(0.05)) is more than 0.05, by a unit in the last place."""
+    assert np.exp(np.log(MOST)) > MOST
+    run = lamc.compile(four_bar(tmp_path, WIDE).with_parameters({"arm_length": 1.02 * MOST}))
+    data = lamc.Recording(T, {"arm": run.run(t_end=0.3, t_eval=T).angle("arm")}, sigma=1e-3)
+    fit = lamc.fit(four_bar(tmp_path), data, {"arm_length": "log:20mm:50mm"})
+    assert fit.values["arm_length"] == MOST
+    assert any("arm_length stands at its bound" in note for note in fit.notes)
+
+
 @pytest.mark.parametrize(
     ("given", "message"),
     [

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.font_manager import FontProperties
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from lamc.basics.numbers import shortened
 from lamc.records.mechanism import Array
@@ -107,8 +107,25 @@ def dress(axis: Axes) -> None:
     """Grid, ticks and spines as all curves have them."""
     axis.grid(visible=True, color="#DDDDDD", linewidth=0.6)
     axis.spines[["top", "right"]].set_visible(False)
-    axis.yaxis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 2.5, 5, 10]))
+    if axis.get_yscale() == "log":
+        _tick_logarithms(axis)
+    else:
+        axis.yaxis.set_major_locator(MaxNLocator(nbins=7, steps=[1, 2, 2.5, 5, 10]))
     axis.set_axisbelow(True)
+
+
+def _tick_logarithms(axis: Axes) -> None:
+    """Ticks of a logarithmic axis, three of them at least and all labelled: matplotlib labels powers of ten alone, of
+    which a short axis has one or none."""
+    low, high = axis.get_ylim()
+    if high >= 1000.0 * low:
+        return
+    if high >= 10.0 * low:
+        axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    else:
+        axis.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10]))
+    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.yaxis.set_minor_locator(NullLocator())
 
 
 def _draw_many(axis: Axes, t: Array, curves: Sequence[Curve]) -> None:

@@ -9,12 +9,13 @@ from dataclasses import replace
 from functools import partial
 
 from lamc.basics.checks import did_you_mean, shown
-from lamc.basics.errors import RequestError
+from lamc.basics.errors import RequestError, warn
 from lamc.codegen.options import CompileOptions
 from lamc.records.mechanism import Mechanism
+from lamc.records.network import listed_names
 from lamc.records.scene import Scene
 from lamc.run.parameters import checked_parameters
-from lamc.studies.axes import Spread, axis_of
+from lamc.studies.axes import Span, Spread, axis_of
 from lamc.studies.bench import Bench, RunOptions, Subject
 from lamc.studies.measures import checked_measures, outputs_of
 from lamc.studies.plans import Plan, given_points, grid_of, sample_words, sampled
@@ -106,4 +107,10 @@ def _plan(
     axes = {name: axis_of(name, given, units[name]) for name, given in vary.items()}
     if sample is None:
         return grid_of(axes)
+    counted = [name for name, axis in axes.items() if isinstance(axis, Span) and axis.count]
+    if counted:
+        warn(
+            f"vary {listed_names([repr(name) for name in counted])}: samples ({sample}) lie everywhere in the range, "
+            "and its count says nothing; leave out the count, or the samples"
+        )
     return sampled(axes, *sample_words(sample), seed)

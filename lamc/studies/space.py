@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lamc.basics.checks import is_list, shown
-from lamc.basics.errors import RequestError
+from lamc.basics.errors import RequestError, warn
 from lamc.run.request import Array
 from lamc.studies.axes import Span, axis_of
 from lamc.studies.targets import Target, check_within, known_target
@@ -164,6 +164,11 @@ def _variable(target: Target, given: object) -> Variable:
     if not isinstance(axis, Span):
         raise RequestError(
             f"vary {name!r}: {shown(given)} is no range; write FROM:TO, log:FROM:TO, 3..8 for whole numbers, or A|B|C"
+        )
+    if axis.count:
+        warn(
+            f"vary {name!r}: an optimum is looked for everywhere in the range, not at {axis.count} points of it; "
+            "leave out the count, or list values: A|B|C"
         )
     return _range(name, unit, axis.start, axis.stop, log=axis.log)
 

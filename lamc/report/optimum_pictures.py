@@ -137,7 +137,7 @@ def _draw_parameter(axis: Axes, best: Best, k: int) -> None:
     axis.axhline(best.point[k] / scale, color=PALETTE[1], linewidth=1.0)
     if variable.log:
         axis.set_yscale("log")
+    dress(axis)
     if variable.has_words:
         axis.set_yticks(range(len(variable.levels)), [shortened(str(each), 16) for each in variable.levels])
-    dress(axis)
     axis.set_ylabel(shortened(variable.name, 18) + (f"\n[{text}]" if text else ""), parse_math=False)

@@ -21,6 +21,7 @@ from lamc.studies.pool import Point, Source
 _CHUNK = 1.0  # s of work that is handed over at once, against some ms for the handing over
 _LARGEST = 1000  # points in a chunk
 _WAIT = 60.0  # s for a first worker
+_ANSWER = 10.0  # s for a scheduler to answer
 _benches = threading.local()  # of a worker's thread: the subject it has worked on last
 
 
@@ -76,7 +77,7 @@ def worked(subject: bytes, chunk: list[Point]) -> tuple[list[Row], float]:
 
 def _client(make: Any, scheduler: str) -> Any:
     try:
-        return make(scheduler, timeout=10, set_as_default=False)
+        return make(scheduler, timeout=_ANSWER, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         raise SimulationError(
             f"no scheduler answers at {scheduler!r}: {error}; start one with `dask scheduler`, and workers with "

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from lamc.basics.errors import SimulationError
+from lamc.studies import cluster as clusters
 from tests.support import studied
 from tests.support.paths import ROOT
 from tests.unit.test_sweep import csv, study
@@ -78,6 +79,7 @@ def test_a_point_that_kills_its_workers_is_a_row(cluster) -> None:
     assert table.reasons == {1: "the workers that it was given to died"}
 
 
-def test_an_address_at_which_nobody_is_is_told() -> None:
+def test_an_address_at_which_nobody_is_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clusters, "_ANSWER", 1.0)
     with pytest.raises(SimulationError, match=r"no scheduler answers at 'tcp://127\.0\.0\.1:9'"):
         study({"hip.stiffness": [1.0]}).run(None, 1, scheduler="tcp://127.0.0.1:9")

@@ -92,6 +92,7 @@ def passes(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
 
 
 @pytest.mark.parametrize("name", SHEETS)
+@pytest.mark.quick("map*")
 def test_equations_on_a_branch_are_those_derived_for_it(
     name: str, tmp_path: Path, passes: list[bool]
 ) -> None:
@@ -113,6 +114,7 @@ def test_equations_on_a_branch_are_those_derived_for_it(
             assert emit(one, precision) == emit(other, precision)
 
 
+@pytest.mark.slow
 def test_what_runs_on_a_branch_is_compiled_from_such_equations(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -122,6 +122,7 @@ def test_steps_of_fixed_length_count_turns_too() -> None:
     np.testing.assert_allclose(y[: len(expected)], expected, rtol=0, atol=1e-8)
 
 
+@pytest.mark.slow
 def test_check_vouches_for_angles_beyond_half_a_turn() -> None:
     report = check(spun(-1, "BC"), states=3, t_end=0.05)  # six radians of the crank
     assert report.passed, report.table()

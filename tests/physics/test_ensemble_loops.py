@@ -80,6 +80,7 @@ def test_instances_with_random_values_are_runs_by_themselves(
     integrator=st.sampled_from(("rk45", "dop853", "auto")),
     exponent=st.integers(-10, -4),
 )
+@pytest.mark.slow
 def test_instances_of_random_loops_are_runs_by_themselves(
     closed: ClosedMechanism, seed: int, integrator: str, exponent: int
 ) -> None:

@@ -128,6 +128,7 @@ def swing() -> lamc.Mechanism:
     return lamc.Mechanism(name="swing", bodies=bodies, joints=joints)
 
 
+@pytest.mark.slow
 def test_pieces_of_a_loop_that_forgets_its_start_meet() -> None:
     """Two of five angles are recorded; the others of each piece follow by closure, through several turns."""
     sim = lamc.compile(swing(), LOOP_SCENE)

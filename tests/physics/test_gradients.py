@@ -142,6 +142,7 @@ def test_impacts(name: str) -> None:
     assert found.events
 
 
+@pytest.mark.slow
 def test_touch_downs_on_a_floating_base() -> None:
     """A contact's force begins with the power 1.5 of depth: derivatives are known to some 1000 times the tolerance
     there, which eight of them make larger."""
@@ -184,6 +185,7 @@ def test_a_servo_that_samples(integrator: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
+@pytest.mark.quick("free_base", "joint_limits", "servo", "hinge_stiffness")
 def test_every_effect(name: str) -> None:
     """Radau's collocation is stepped alike by both, whatever the stiffness; see stops for events."""
     effects = tuple({"gravity": SAMPLES["gravity"], name: SAMPLES[name]}.values())

@@ -90,7 +90,7 @@ def without_plans(texts: Mapping[str, str]) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("name", ["miura", "folding_box"])
-@pytest.mark.quick("miura")
+@pytest.mark.slow
 def test_all_ways_to_eliminate_give_one_motion(
     name: str, ways: Callable[[Mechanism, str], lamc.Simulator]
 ) -> None:

@@ -152,6 +152,7 @@ def test_through_impacts_at_limits() -> None:
     assert len(found.events) == 9
 
 
+@pytest.mark.slow
 def test_through_touch_downs_on_a_floating_base() -> None:
     # A contact's force begins with the power 1.5 of depth, whose derivatives differences of runs know to 1e-6.
     found = check(example("crawler"), ["body.mass", "gravity.z"], 0.03, reach=3e-6, close=1e-6)
@@ -159,6 +160,7 @@ def test_through_touch_downs_on_a_floating_base() -> None:
 
 
 @pytest.mark.parametrize("integrator", ["radau5", "rodas5p"])
+@pytest.mark.quick("rodas5p")
 def test_stiff_hinges(integrator: str) -> None:
     check(example("stiff_triple"), ["thigh.mass", "gravity.y"], 0.1, integrator=integrator, close=1e-7)
 

@@ -425,6 +425,7 @@ def test_what_takes_numbers_for_inputs_refuses_a_series() -> None:
 
 
 @pytest.mark.parametrize("hold", ["previous", "cubic"])
+@pytest.mark.quick("cubic")
 def test_loops_follow_a_series(hold: str) -> None:
     made = closed_mechanism("planar", 3)
     mechanism = made.mechanism

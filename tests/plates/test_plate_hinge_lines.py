@@ -483,6 +483,7 @@ def test_a_halved_mesh_keeps_its_hinges() -> None:
     assert found.extrapolated == pytest.approx(expected, rel=1e-5)  # what is left is of fourth order
 
 
+@pytest.mark.slow
 def test_other_laminates_on_the_same_hinged_mesh() -> None:
     P, a, k = 0.3, 0.375, 0.7
     made = {"supports": [plate.Clamped(LEFT)], "loads": [plate.EdgeLoad(RIGHT, P)]}

@@ -51,6 +51,7 @@ def test_a_soft_strip_between_stiff_links_turns_as_in_closed_form(
 
 
 @pytest.mark.parametrize("element", ["specht", "dkt+cst"])
+@pytest.mark.quick("dkt+cst")
 def test_other_elements_that_pass_the_patch_test_keep_the_digits_too(element: str) -> None:
     np.testing.assert_allclose(turned(COARSE, 1e-6, element), 2.0 + GAP / 1e-6, rtol=1e-9, atol=0)
 

@@ -179,6 +179,7 @@ def test_sanitizers_find_nothing_and_tapes_do_not_matter(name: str, method: str,
 
 
 @needs_cc
+@pytest.mark.slow
 def test_its_c_has_no_warnings(tmp_path: Path) -> None:
     tree = made(tmp_path, "joint_limits", "AUTO")
     cc(tmp_path, *STRICT, "-O2", *tree.compiled, *tree.machine, *tree.beside, "try.c", "-o", "try", "-lm")

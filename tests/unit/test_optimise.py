@@ -299,6 +299,7 @@ def wheel(spokes: float = 3.0, material: str = "wood", radius: float = 0.1) -> M
     return Mechanism(bodies, (h,), name="wheel", scene=scene)
 
 
+@pytest.mark.slow
 def test_whole_numbers_and_words() -> None:
     """Of 3 to 6 spokes, of wood or steel, 95 to 110 mm long, 5 of wood of 100 mm alone have the period: 4 would have to
     be 112 mm long, 6 91 mm."""
@@ -373,6 +374,7 @@ def test_a_least_value_beside_points_without_a_number() -> None:
 
 
 @pytest.mark.parametrize("method", ["cma-es"])
+@pytest.mark.slow
 def test_cma_es_finds_the_spring(method: str) -> None:
     pytest.importorskip("cma")
     best = lamc.optimise(

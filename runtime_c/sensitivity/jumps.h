@@ -76,8 +76,8 @@ static inline void lamc_struck_at(lamc_sensitivity *s, const room *r, lamc_real 
 }
 
 /* How far one goes along a column from y: a thousandth of a radian, of the rates, and of every input. Loops near a singular
- * position bend within hundredths: over ten times as far the derivatives of `folding_box` were off by 2e-3. Rates count
- * too: where one freedom meets its limit, positions of the column are round-off, which must not be blown up. */
+ * position bend within hundredths. Rates count too: where one freedom meets its limit, positions of the column are round-off,
+ * which must not be blown up. */
 static inline lamc_real lamc_reach_of(const lamc_sensitivity *s, const lamc_real *y, const lamc_real *column,
                                       int c) {
   const lamc_model *model = s->motion.model;

@@ -17,7 +17,7 @@ from lamc.run import native, taping
 from lamc.run.gradients import Weights, by_names, pulled_back
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
-from tests.support.mechanisms import chain
+from tests.support.mechanisms import chain, two_flaps
 
 Array = npt.NDArray[np.float64]
 EXAMPLES = Path(lamc.__file__).parent / "examples"
@@ -342,23 +342,8 @@ def test_measures_and_names_without_a_gradient_are_refused() -> None:
 
 def test_two_impacts_at_one_instant_have_no_gradient() -> None:
     """Two flaps alike, side by side, fall on their stops at once: what looks at them later is told since when."""
-    flaps = [
-        Body(name, 0.1, np.array([0.1, y, 0.0]), 1e-3 * np.eye(3)) for name, y in (("a", 0.0), ("b", 0.3))
-    ]
-    hinges = [
-        Joint(
-            f"h_{flap.name}",
-            "ground",
-            flap.name,
-            point=np.array([0.0, flap.com[1], 0.0]),
-            axis=np.array([0.0, 1.0, 0.0]),
-            limits=(-1.0, 0.5),
-        )
-        for flap in flaps
-    ]
-    device = Mechanism((Body("ground", fixed=True), *flaps), tuple(hinges), name="two_flaps")
     scene = lamc.Scene(effects=(lamc.Gravity(), lamc.JointLimits(restitution=0.5)))
-    result = lamc.compile(device, scene).run(t_end=0.2, taped=True)
+    result = lamc.compile(two_flaps(), scene).run(t_end=0.2, taped=True)
     first = result.events[0].t
     with pytest.raises(lamc.SimulationError, match=f"at t = {first:.9g}.*several events fall on one instant"):
         result.gradient("last(h_a)")

@@ -15,7 +15,7 @@ from lamc.mechanics.tangents import Columns
 from lamc.records.mechanism import Body, Joint, Mechanism
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
-from tests.support.mechanisms import chain
+from tests.support.mechanisms import chain, two_flaps
 
 Array = npt.NDArray[np.float64]
 PLACES, WEIGHTS = (-3, -2, -1, 1, 2, 3), (-1 / 60, 9 / 60, -45 / 60, 45 / 60, -9 / 60, 1 / 60)
@@ -211,23 +211,8 @@ def test_rows_and_slices_do_not_matter() -> None:
 
 def test_two_impacts_at_one_instant_have_no_derivative() -> None:
     """Two flaps alike, side by side, fall on their stops at once: which is first is another motion."""
-    flaps = [
-        Body(name, 0.1, np.array([0.1, y, 0.0]), 1e-3 * np.eye(3)) for name, y in (("a", 0.0), ("b", 0.3))
-    ]
-    hinges = [
-        Joint(
-            f"h_{flap.name}",
-            "ground",
-            flap.name,
-            point=np.array([0.0, flap.com[1], 0.0]),
-            axis=np.array([0.0, 1.0, 0.0]),
-            limits=(-1.0, 0.5),
-        )
-        for flap in flaps
-    ]
-    device = Mechanism((Body("ground", fixed=True), *flaps), tuple(hinges), name="two_flaps")
     scene = lamc.Scene(effects=(lamc.Gravity(), lamc.JointLimits(restitution=0.5)))
-    result = lamc.compile(device, scene).run(t_end=0.5, sensitivities=["a.mass"])
+    result = lamc.compile(two_flaps(), scene).run(t_end=0.5, sensitivities=["a.mass"])
     assert result.sensitivities is not None
     lost = result.sensitivities.lost
     assert lost is not None

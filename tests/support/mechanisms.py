@@ -178,3 +178,22 @@ def _thin_plate_inertia(rng: np.random.Generator) -> Array:
     a, b = rng.uniform(0.2, 0.5, 2) ** 2
     slant = rng.uniform(-0.5, 0.5) * min(a, b)
     return np.array([[a, slant, 0.0], [slant, b, 0.0], [0.0, 0.0, a + b]])
+
+
+def two_flaps() -> Mechanism:
+    """Alike, side by side: they fall on their stops at once."""
+    flaps = [
+        Body(name, 0.1, np.array([0.1, y, 0.0]), 1e-3 * np.eye(3)) for name, y in (("a", 0.0), ("b", 0.3))
+    ]
+    hinges = [
+        Joint(
+            f"h_{flap.name}",
+            "ground",
+            flap.name,
+            point=np.array([0.0, flap.com[1], 0.0]),
+            axis=np.array([0.0, 1.0, 0.0]),
+            limits=(-1.0, 0.5),
+        )
+        for flap in flaps
+    ]
+    return Mechanism((Body("ground", fixed=True), *flaps), tuple(hinges), name="two_flaps")

@@ -10,7 +10,7 @@ import lamc
 from lamc.codegen.emit import SourceTree, emit
 from lamc.codegen.emit_pullbacks import emit_pullbacks
 from lamc.mechanics.lower import lower
-from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, output_of
+from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, objects_of, output_of
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
 
@@ -173,8 +173,8 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
 )
 def test_sanitizers_find_nothing_and_tapes_do_not_matter(name: str, method: str, tmp_path: Path) -> None:
     tree = made(tmp_path, name, method)
-    units = [*tree.compiled, *tree.machine, *tree.beside, "try.c"]
-    cc(tmp_path, *SANITIZED, "-ffp-contract=off", *units, "-o", "try", "-lm")
+    flags = (*SANITIZED, "-ffp-contract=off")
+    cc(tmp_path, *flags, "try.c", *objects_of(tree, tmp_path, *flags), "-o", "try", "-lm")
     assert output_of(tmp_path / "try").split() == ["0", "1", "1", "1"]
 
 

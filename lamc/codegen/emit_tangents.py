@@ -14,8 +14,14 @@ from typing import Any
 from lamc.basics._version import __version__
 from lamc.basics.resources import data_dir
 from lamc.codegen.emit import SourceTree, declarations_of, environment
+from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment
+from lamc.codegen.pieces import CFunction
+from lamc.codegen.printer import LANES, ShapePrinter
 from lamc.symbolic.program import Operand, Program, Space
+
+# Beyond so many gcc takes seconds for lanes, and the machine's cache of instructions is too small for them.
+MAX_STATEMENTS = 3000
 
 
 def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
@@ -31,6 +37,8 @@ def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
         "rows": rows,
         "factors": _factors(program),
         "components": sorted({j for row in rows for j, _ in row["states"]}),
+        "lanes": _lanes(program),
+        "given": _given(program),
     }
     unit = f"{tree.prefix}_tangents.c"
     text = environment().get_template("tangents.c.j2").render(context)
@@ -88,8 +96,31 @@ def _counts(output: tuple[int, Operand]) -> bool:
     return output[1].space is not Space.NUMBER or output[1].value != 0
 
 
+def _lanes(program: Program) -> CFunction | None:
+    """The derivatives once more, for several places side by side; None where they are had one after the other."""
+    function = program.functions["tangents"]
+    changes = program.clocks or program.series or program.tables or "rates" in program.functions
+    if changes or len(function.statements) > MAX_STATEMENTS:
+        return None
+    return arrange(function, ShapePrinter(number=LANES), [], LANES, MAX_STATEMENTS)
+
+
+def _given(program: Program) -> dict[str, str]:
+    """Where what the derivatives read lies among the numbers of places, by its letter in C."""
+    nq, nu = len(program.coordinates), len(program.rates)
+    return {
+        "c": "(const lanes *)constants",
+        "t": "at[0]",
+        "q": "at + 1",
+        "u": f"at + {1 + nq}",
+        "a": f"at + {1 + nq + nu}",
+        "l": f"at + {1 + nq + 2 * nu}",
+    }
+
+
 @cache
 def _runtime() -> Mapping[str, str]:
-    """The files of `runtime_c/sensitivity`, flat; read once."""
-    paths = sorted((data_dir("runtime_c") / "sensitivity").glob("*.[ch]"))
+    """The files of `runtime_c/sensitivity`, and the numbers of lanes, flat; read once."""
+    root = data_dir("runtime_c")
+    paths = [*sorted((root / "sensitivity").glob("*.[ch]")), root / "ensemble" / "lane_numbers.h"]
     return {path.name: path.read_text(encoding="utf-8") for path in paths}

@@ -25,8 +25,10 @@ static inline void lamc_lose(lamc_sensitivity *s, lamc_real t, lamc_lost why, in
 
 /* Constants as the run has them now */
 static inline void lamc_take_constants(lamc_sensitivity *s) {
-  memcpy(s->beside.constants, s->motion.constants,
-         (size_t)s->motion.model->constant_count * sizeof(lamc_real));
+  const size_t bytes = (size_t)s->motion.model->constant_count * sizeof(lamc_real);
+  if (memcmp(s->beside.constants, s->motion.constants, bytes) == 0) return;
+  memcpy(s->beside.constants, s->motion.constants, bytes);
+  s->has_new_constants = 1;
 }
 
 /* How much later the event comes, by column, into the first row of `out`. 0: the guard is touched and not passed */

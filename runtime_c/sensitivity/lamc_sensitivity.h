@@ -37,6 +37,13 @@ typedef struct lamc_tangents {
    * are none. Rows of residuals and of guards end with derivatives by what is held, too */
   void (*samples)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                   lamc_real *samples);
+  int lanes; /* places whose residuals are worked out side by side; 0: there is no C for that */
+  /* As `residuals` at so many places: constants (constant_count, lanes), places (1 + nq + nu + nu + m, lanes) of t, q, u, udot
+   * and lambda -> residuals (.., lanes). Each begins at a multiple of 64 bytes */
+  void (*side_by_side)(const lamc_real *constants, const lamc_real *places, lamc_real *residuals);
+  /* As `along`, from one of those lanes on */
+  void (*along_lane)(const lamc_real *residuals, int width, const lamc_real *sens, lamc_real *rows,
+                     lamc_real *goals);
 } lamc_tangents;
 
 const lamc_tangents *lamc_this_tangents(void);
@@ -82,6 +89,10 @@ typedef struct lamc_sensitivity {
   lamc_real *slopes; /* dS/dt at the stages */
   lamc_real *scratch;
   lamc_real *remembered; /* the run's last evaluations: see memory.h */
+  lamc_real *ahead;      /* residuals at the stages of a step, side by side: see ahead.h */
+  int has_new_constants; /* 1: they are not in lanes yet */
+  int ahead_first, ahead_beyond,
+      ahead_entry[16]; /* which stages, and the evaluations that are remembered of them */
   ptrdiff_t entry_size, factors_size;
   int latest, recalled; /* of them: the last that was made, and the last that was asked for */
   void (*rhs)(const void *context, lamc_real t, const lamc_real *y, lamc_real *dydt); /* the run's own */

@@ -7,6 +7,7 @@
 
 #include "lamc_sensitivity.h"
 
+#include "ahead.h"
 #include "collocation.h"
 #include "finely.h"
 #include "memory.h"
@@ -24,8 +25,8 @@ static inline long long lamc_whole(long long size) {
 }
 
 /* Where the parts lie; returns how many numbers they take. s NULL: for the size only */
-static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_model *model, int k,
-                                     int columns, lamc_real *work) {
+static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_model *model,
+                                     const lamc_tangents *tangents, int columns, lamc_real *work) {
   const int n = model->coordinate_count + model->rate_count, width = lamc_columns_width(columns);
   const long long block = (long long)n * width;
   const int broad = lamc_collocation_width(n, columns); /* the broadest S that is asked for */
@@ -42,10 +43,11 @@ static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_mo
                              lamc_whole(inputs) + LANES,
                              lamc_whole(lamc_collocation_size(n, columns, width)),
                              lamc_whole(lamc_motion_work_size(model)) + LANES,
-                             lamc_whole(lamc_variation_size(model, k, broad)),
+                             lamc_whole(lamc_variation_size(model, tangents->column_count, broad)),
                              lamc_whole(lamc_fine_size(n, width)),
                              2LL * model->held_count * width,
-                             lamc_memory_size(model)};
+                             lamc_memory_size(model),
+                             lamc_ahead_size(model, tangents)};
   enum { PARTS = sizeof sizes / sizeof sizes[0] };
   long long at[PARTS + 1] = {0};
   for (int i = 0; i < PARTS; i++) at[i + 1] = at[i] + sizes[i];
@@ -64,6 +66,7 @@ static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_mo
     r->fine = work + at[13];
     s->held = work + at[14];
     s->remembered = work + at[15];
+    s->ahead = work + at[16];
     s->held_width = width;
   }
   return at[PARTS];
@@ -71,7 +74,7 @@ static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_mo
 
 static inline room lamc_room_of(lamc_sensitivity *s) {
   room r;
-  (void)lamc_lay_out(s, &r, s->motion.model, s->tangents->column_count, s->column_count, s->here);
+  (void)lamc_lay_out(s, &r, s->motion.model, s->tangents, s->column_count, s->here);
   return r;
 }
 

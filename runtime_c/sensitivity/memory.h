@@ -85,22 +85,26 @@ static inline void lamc_remember(const void *context, lamc_real t, const lamc_re
   if (size > 0) memcpy(lambda + model->closure_count, s->motion.work, (size_t)size * sizeof *y);
 }
 
+/* The place of a remembered evaluation */
+static inline lamc_place lamc_remembered(const lamc_sensitivity *s, int index) {
+  const lamc_model *model = s->motion.model;
+  const int nq = model->coordinate_count, n = nq + model->rate_count;
+  lamc_real *entry = lamc_memory_at(s, index), *y = entry + 2, *lambda = y + (ptrdiff_t)2 * n;
+  const lamc_place place = {entry[0], y, y + n + nq, lambda, (int)entry[1], lambda + model->closure_count};
+  return place;
+}
+
 /* The evaluation that gave `slope` at t. 0: it is not remembered with all that derivatives take */
 static inline int lamc_recall(lamc_sensitivity *s, lamc_real t, const lamc_real *slope, lamc_place *place) {
   const lamc_model *model = s->motion.model;
-  const int nq = model->coordinate_count, n = nq + model->rate_count;
+  const int n = model->coordinate_count + model->rate_count;
   if (!lamc_has_factors(model) && model->acceleration == NULL) return 0;
   for (int i = 0; i < REMEMBERED; i++) {
     const int index = (s->recalled + 1 + i) % REMEMBERED; /* stages are asked for in their order */
     lamc_real *entry = lamc_memory_at(s, index);
     if (entry[0] != t || memcmp(entry + 2 + n, slope, (size_t)n * sizeof *slope) != 0) continue;
     s->recalled = index;
-    place->t = t;
-    place->y = entry + 2;
-    place->udot = place->y + n + nq;
-    place->lambda = place->udot + model->rate_count;
-    place->count = (int)entry[1];
-    place->work = entry + 2 + (ptrdiff_t)2 * n + model->closure_count;
+    *place = lamc_remembered(s, index);
     return 1;
   }
   return 0;

@@ -5,44 +5,12 @@
 #ifndef LAMC_REPLAY_H
 #define LAMC_REPLAY_H
 
+#include "ahead.h"
 #include "tableau.h"
 #include "variation.h"
 
 static inline lamc_real *lamc_slope_of(const lamc_sensitivity *s, int stage) {
   return s->slopes + (ptrdiff_t)stage * s->run.ode.n * s->width;
-}
-
-/* dy/dt of the run at a stage of its last step */
-static inline const lamc_real *lamc_run_slope(const lamc_run *run, const tableau *a, int stage) {
-  if (stage == 0) return slope_there(run);
-  if (stage == a->last) return slope_here(run);
-  return slot(run, SLOT_OWN + (stage < a->last ? stage - 1 : stage - 2));
-}
-
-/* out += weight times v, of (count,), whole packs */
-static inline void lamc_add_weighted(ptrdiff_t count, lamc_real weight, const lamc_real *LAMC_RESTRICT v,
-                                     lamc_real *LAMC_RESTRICT out) {
-  for (ptrdiff_t b = 0; b < count; b += PACK)
-    lamc_pack_put(out + b, lamc_pack_add(lamc_pack_at(out + b), weight, lamc_pack_at(v + b)));
-}
-
-/* out = from + sum over the first `count` slopes of h weight times slope; of (size,), whole packs, each */
-static inline void lamc_weighted_sum(ptrdiff_t size, const lamc_real *LAMC_RESTRICT from, lamc_real h,
-                                     int count, const lamc_real *weights,
-                                     const lamc_real *LAMC_RESTRICT slopes, lamc_real *LAMC_RESTRICT out) {
-  const lamc_real *used[16];
-  lamc_real weight[16];
-  int terms = 0;
-  for (int j = 0; j < count; j++) {
-    if (weights[j] == 0) continue;
-    used[terms] = slopes + j * size;
-    weight[terms++] = h * weights[j];
-  }
-  for (ptrdiff_t b = 0; b < size; b += PACK) {
-    lamc_pack sum = lamc_pack_at(from + b);
-    for (int j = 0; j < terms; j++) sum = lamc_pack_add(sum, weight[j], lamc_pack_at(used[j] + b));
-    lamc_pack_put(out + b, sum);
-  }
 }
 
 /* S (n, width) at a stage, from where the step began */
@@ -56,33 +24,35 @@ static inline void lamc_replay_argument(const lamc_sensitivity *s, const tableau
 /* Where a stage of the last step was evaluated; y: (n,) of scratch */
 static inline lamc_place lamc_stage_place(lamc_sensitivity *s, const tableau *a, int stage, lamc_real *y) {
   const lamc_run *run = &s->run;
-  const int n = run->ode.n;
-  const lamc_real h = run->h_last, t = stage == a->last ? run->t : run->t_old + a->node[stage] * h;
-  const lamc_real *slope = lamc_run_slope(run, a, stage);
+  const lamc_real *slope = lamc_run_slope(run, a, stage), t = lamc_stage_time(run, a, stage);
   lamc_place place;
   if (lamc_recall(s, t, slope, &place)) return place;
-  memcpy(y, stage == a->last ? y_here(run) : y_there(run), (size_t)n * sizeof *y);
-  for (int j = 0; j < stage && j < a->across && stage != a->last; j++) {
-    const lamc_real weight = a->weight[stage * a->across + j];
-    const lamc_real *earlier = lamc_run_slope(run, a, j);
-    for (int i = 0; i < n && weight != 0; i++) y[i] += h * weight * earlier[i];
-  }
+  lamc_stage_state(run, a, stage, y);
   return lamc_place_beside(s, t, y, slope + s->motion.model->coordinate_count);
+}
+
+/* dS/dt at a stage with derivatives sens (n, width), among the slopes; y: (n,) of scratch */
+static inline void lamc_replay_slope(lamc_sensitivity *s, const tableau *a, int stage, const lamc_real *sens,
+                                     lamc_real *y) {
+  if (stage >= s->ahead_first && stage < s->ahead_beyond) {
+    lamc_vary_ahead(s, stage, sens, lamc_slope_of(s, stage));
+    return;
+  }
+  const lamc_place place = lamc_stage_place(s, a, stage, y);
+  lamc_vary(s, &place, sens, lamc_slope_of(s, stage));
 }
 
 /* One stage: dS/dt there. argument, y: (n, width) and (n,) of scratch */
 static inline void lamc_replay_stage(lamc_sensitivity *s, const tableau *a, int stage, lamc_real *argument,
                                      lamc_real *y) {
-  const lamc_place place = lamc_stage_place(s, a, stage, y);
   lamc_replay_argument(s, a, stage, s->run.h_last, argument);
-  lamc_vary(s, &place, argument, lamc_slope_of(s, stage));
+  lamc_replay_slope(s, a, stage, argument, y);
 }
 
 /* dS/dt at the end of the last step; y: (n,) of scratch */
 static inline void lamc_replay_end(lamc_sensitivity *s, lamc_real *y) {
   const tableau a = lamc_tableau(s->run.method);
-  const lamc_place end = lamc_stage_place(s, &a, a.last, y);
-  lamc_vary(s, &end, s->end, lamc_slope_of(s, a.last));
+  lamc_replay_slope(s, &a, a.last, s->end, y);
 }
 
 /* S over the last step of an explicit method, from `start` to `end`; argument and y: scratch, (n, width) and (n,) */
@@ -96,12 +66,14 @@ static inline void lamc_replay(lamc_sensitivity *s, lamc_real *argument, lamc_re
     memmove(lamc_slope_of(s, 0), lamc_slope_of(s, before.last), bytes);
     first = 1;
   }
+  (void)lamc_look_ahead(s, &a, first, a.last + 1, y);
   for (int stage = first; stage < a.last; stage++) lamc_replay_stage(s, &a, stage, argument, y);
   lamc_replay_argument(s, &a, a.last, run->h_last, s->end);
-  const lamc_place end = lamc_stage_place(s, &a, a.last, y);
-  if (s->motion.model->cut_count > 0 && s->beside.baumgarte == 0)
+  if (s->motion.model->cut_count > 0 && s->beside.baumgarte == 0) {
+    const lamc_place end = lamc_stage_place(s, &a, a.last, y);
     lamc_vary_settle_at(s, &end, s->end, argument);
-  lamc_vary(s, &end, s->end, lamc_slope_of(s, a.last));
+  }
+  lamc_replay_slope(s, &a, a.last, s->end, y);
   s->slope_count = a.last + 1;
   s->has_slope = 1;
 }
@@ -109,6 +81,7 @@ static inline void lamc_replay(lamc_sensitivity *s, lamc_real *argument, lamc_re
 /* The slopes that the continuous extension takes besides, if it does */
 static inline void lamc_replay_extend(lamc_sensitivity *s, lamc_real *argument, lamc_real *y) {
   const tableau a = lamc_tableau(s->method);
+  if (s->slope_count < a.count) (void)lamc_look_ahead(s, &a, s->slope_count, a.count, y);
   for (; s->slope_count < a.count; s->slope_count++) lamc_replay_stage(s, &a, s->slope_count, argument, y);
 }
 

@@ -17,7 +17,7 @@ long long lamc_sensitivity_work_size(const lamc_model *model, const lamc_tangent
                                      int column_count) {
   if (model == NULL || tangents == NULL || column_count < 1 || column_count > INT_MAX / 64) return 0;
   if (tangents->column_count < 0 || tangents->column_count > column_count) return 0;
-  return lamc_lay_out(NULL, NULL, model, tangents->column_count, column_count, NULL);
+  return lamc_lay_out(NULL, NULL, model, tangents, column_count, NULL);
 }
 
 static size_t block_bytes(const lamc_sensitivity *s) {
@@ -139,12 +139,12 @@ lamc_status lamc_sensitivity_start(lamc_sensitivity *s, const lamc_motion *motio
   s->t_lost = HUGE_VAL;
   s->t_break = -HUGE_VAL;
   room r;
-  (void)lamc_lay_out(s, &r, motion->model, tangents->column_count, column_count, work);
+  (void)lamc_lay_out(s, &r, motion->model, tangents, column_count, work);
   if (motion->model->cut_count > 0) lamc_loops_begin(&s->beside);
   lamc_memory_begin(s);
   lamc_ode ode = lamc_motion_ode(&s->motion);
   s->rhs = ode.rhs;
-  ode.rhs = lamc_remember;
+  if (!lamc_is_plain(motion->model) || !lamc_looks_ahead(motion->model, tangents)) ode.rhs = lamc_remember;
   ode.integral_count = 0;
   if (ode.guard_count > 0) ode.event = meet;
   if (ode.pass != NULL) ode.pass = pass;

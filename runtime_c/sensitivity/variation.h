@@ -137,8 +137,12 @@ static inline void lamc_vary_solve_loops(const lamc_motion *motion, const variat
   }
 }
 
+/* lamc_tangents.along, or .along_lane */
+typedef void (*along_residuals)(const lamc_real *residuals, int width, const lamc_real *sens, lamc_real *rows,
+                                lamc_real *goals);
+
 /* rows (nu, width): what moves S, solved already in a plain model; goals: what the loops ask for */
-static inline void lamc_vary_along(const lamc_sensitivity *s, const variation *v, const lamc_real *sens,
+static inline void lamc_vary_along(const variation *v, along_residuals along, const lamc_real *sens,
                                    lamc_real *rows) {
   const int across = v->n + v->k + v->held_count;
   memset(rows, 0, (size_t)v->nu * (size_t)v->width * sizeof *rows);
@@ -151,7 +155,7 @@ static inline void lamc_vary_along(const lamc_sensitivity *s, const variation *v
     for (int i = 0; i < v->m; i++)
       lamc_row_less(width, -value[(ptrdiff_t)(v->nu + i) * across], held, v->goals + (ptrdiff_t)i * v->width);
   }
-  s->tangents->along(v->derivative, v->width, sens, rows, v->goals);
+  along(v->derivative, v->width, sens, rows, v->goals);
 }
 
 /* What Baumgarte's stabilisation adds to loops' goals: the derivatives of 2 b J u + b^2 phi along S */
@@ -171,35 +175,41 @@ static inline void lamc_vary_stabilise(const lamc_sensitivity *s, const variatio
   }
 }
 
+/* dS/dt (n, width) at a place with derivatives sens (n, width), from the residuals there in v->derivative */
+static inline void lamc_vary_by(lamc_sensitivity *s, const variation *v, const lamc_place *at,
+                                along_residuals along, const lamc_real *sens, lamc_real *slope) {
+  const lamc_model *model = s->motion.model;
+  lamc_real *late = slope + (ptrdiff_t)v->nq * v->width;
+  lamc_vary_along(v, along, sens, late);
+  if (s->beside.baumgarte != 0) lamc_vary_stabilise(s, v, at->y, sens);
+  if (model->cut_count > 0) {
+    const lamc_motion there = lamc_motion_at(s, at->work);
+    lamc_vary_solve_loops(&there, v, at->count, s->column_count, late);
+  } else if (lamc_is_system(model)) {
+    lamc_solve_columns(v->nu, at->work, v->width, late);
+  }
+  if (model->rates == NULL) {
+    memcpy(slope, sens + (ptrdiff_t)v->nq * v->width, (size_t)v->nq * (size_t)v->width * sizeof *slope);
+    return;
+  }
+  const lamc_real *flow = v->derivative + (ptrdiff_t)(v->nu + v->m) * (v->n + v->k + v->held_count);
+  variation only_state = *v;
+  only_state.k = only_state.held_count = 0;
+  for (int i = 0; i < v->nq; i++) {
+    lamc_real *row = slope + (ptrdiff_t)i * v->width;
+    lamc_minus_along(&only_state, v->n, flow + (ptrdiff_t)i * v->n, sens, row);
+    lamc_row_scale(v->width, -1, row);
+  }
+}
+
 /* dS/dt (n, width) at a place with derivatives sens (n, width) */
 static inline void lamc_vary(lamc_sensitivity *s, const lamc_place *at, const lamc_real *sens,
                              lamc_real *slope) {
-  const lamc_model *model = s->motion.model;
   const variation v = lamc_variation_of(s);
-  lamc_real *late = slope + (ptrdiff_t)v.nq * v.width;
   lamc_series_put(&s->beside, at->t); /* a remembered place may be of an earlier time than the last */
   s->tangents->residuals(s->beside.constants, at->t, at->y, at->y + v.nq, at->udot, at->lambda, v.derivative);
   s->evaluations++;
-  lamc_vary_along(s, &v, sens, late);
-  if (s->beside.baumgarte != 0) lamc_vary_stabilise(s, &v, at->y, sens);
-  if (model->cut_count > 0) {
-    const lamc_motion there = lamc_motion_at(s, at->work);
-    lamc_vary_solve_loops(&there, &v, at->count, s->column_count, late);
-  } else if (lamc_is_system(model)) {
-    lamc_solve_columns(v.nu, at->work, v.width, late);
-  }
-  if (model->rates == NULL) {
-    memcpy(slope, sens + (ptrdiff_t)v.nq * v.width, (size_t)v.nq * (size_t)v.width * sizeof *slope);
-    return;
-  }
-  const lamc_real *flow = v.derivative + (ptrdiff_t)(v.nu + v.m) * (v.n + v.k + v.held_count);
-  variation only_state = v;
-  only_state.k = only_state.held_count = 0;
-  for (int i = 0; i < v.nq; i++) {
-    lamc_real *row = slope + (ptrdiff_t)i * v.width;
-    lamc_minus_along(&only_state, v.n, flow + (ptrdiff_t)i * v.n, sens, row);
-    lamc_row_scale(v.width, -1, row);
-  }
+  lamc_vary_by(s, &v, at, s->tangents->along, sens, slope);
 }
 
 /* How the rates in rows (nu, width) move coordinates: added to `out` (nq, width) */

@@ -13,15 +13,15 @@ from typing import Any
 
 from lamc.basics._version import __version__
 from lamc.basics.resources import data_dir
-from lamc.codegen.emit import SourceTree, declarations_of, environment
+from lamc.codegen.emit import SourceTree, declarations_of, environment, look_ups
 from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment
 from lamc.codegen.pieces import CFunction
 from lamc.codegen.printer import LANES, ShapePrinter
 from lamc.symbolic.program import Operand, Program, Space
 
-# Beyond so many gcc takes seconds for lanes, and the machine's cache of instructions is too small for them.
-MAX_STATEMENTS = 3000
+# In one block of lanes: beyond so many gcc takes seconds, and the machine's cache of instructions is too small for stages.
+MAX_STATEMENTS = 4000
 
 
 def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
@@ -37,8 +37,11 @@ def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
         "rows": rows,
         "factors": _factors(program),
         "components": sorted({j for row in rows for j, _ in row["states"]}),
-        "lanes": _lanes(program),
+        "state_columns": _state_columns(program),
+        "side_by_side": _side_by_side(program),
         "given": _given(program),
+        "real": "double",
+        "tables": look_ups(program),
     }
     unit = f"{tree.prefix}_tangents.c"
     text = environment().get_template("tangents.c.j2").render(context)
@@ -53,7 +56,7 @@ def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
 
 def _rows(program: Program) -> list[dict[str, Any]]:
     """What is not zero of the derivatives of residuals, by row: places in the array, by states and by columns."""
-    n, k = len(program.coordinates) + len(program.rates), len(program.columns)
+    n, k = _state_columns(program), len(program.columns)
     across = n + k + sum(len(clock.held) for clock in program.clocks)
     outputs = program.functions["tangents"].outputs
     rows: list[dict[str, Any]] = []
@@ -96,13 +99,22 @@ def _counts(output: tuple[int, Operand]) -> bool:
     return output[1].space is not Space.NUMBER or output[1].value != 0
 
 
-def _lanes(program: Program) -> CFunction | None:
-    """The derivatives once more, for several places side by side; None where they are had one after the other."""
-    function = program.functions["tangents"]
-    changes = program.clocks or program.series or program.tables or "rates" in program.functions
-    if changes or len(function.statements) > MAX_STATEMENTS:
-        return None
-    return arrange(function, ShapePrinter(number=LANES), [], LANES, MAX_STATEMENTS)
+def _state_columns(program: Program) -> int:
+    """Of the residuals: none, where their derivatives by q and u are had along a direction."""
+    if "directional_tangents" in program.functions:
+        return 0
+    return len(program.coordinates) + len(program.rates)
+
+
+def _side_by_side(program: Program) -> dict[str, CFunction]:
+    """By name, the functions that are written for several lanes too: of stages, and of directions."""
+    chosen = [f for name, f in program.functions.items() if name == "directional_tangents"]
+    tangents = program.functions["tangents"]
+    changes = program.clocks or program.series or "rates" in program.functions  # what a lane knows nothing of
+    if not changes and len(tangents.statements) <= MAX_STATEMENTS:
+        chosen.append(tangents)
+    printer = ShapePrinter(number=LANES)
+    return {function.name: arrange(function, printer, [], LANES, MAX_STATEMENTS) for function in chosen}
 
 
 def _given(program: Program) -> dict[str, str]:
@@ -115,6 +127,7 @@ def _given(program: Program) -> dict[str, str]:
         "u": f"at + {1 + nq}",
         "a": f"at + {1 + nq + nu}",
         "l": f"at + {1 + nq + 2 * nu}",
+        "w": "(const lanes *)along",
     }
 
 

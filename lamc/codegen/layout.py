@@ -23,6 +23,8 @@ AT_EVERY_STEP = (
     "residual",
     "momenta",
     "motion_pullback",
+    "tangents",
+    "directional_tangents",
 )
 
 

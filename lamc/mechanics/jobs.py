@@ -66,6 +66,11 @@ TANGENTS = (
     "derivatives by q, u and columns of M udot - f - J^T lambda, then of J udot + gamma; of dq/dt; factors of M",
     (*_STATE, Space.ACCELERATION, Space.MULTIPLIER),
 )
+DIRECTIONAL_TANGENTS = (
+    "directional_tangents",
+    "derivatives along a direction of q and u of M udot - f - J^T lambda, then of J udot + gamma",
+    (*_STATE, Space.ACCELERATION, Space.MULTIPLIER, Space.WEIGHT),
+)
 CLOSURE_TANGENTS = (
     "closure_tangents",
     "derivatives of the residuals of the loops by q and columns, then of their rates by q, u and columns",
@@ -137,6 +142,7 @@ def tangent_jobs(equations: Equations, columns: Columns) -> list[Job]:
     found = tangents(equations, columns)
     jobs = [
         (TANGENTS, (*found.residuals, *found.flow, *found.factors)),
+        *([(DIRECTIONAL_TANGENTS, (found.along,))] if found.along else []),
         *([(CLOSURE_TANGENTS, found.closure)] if found.closure else []),
         *([(GUARD_TANGENTS, found.guards)] if found.guards else []),
         *([(SAMPLE_TANGENTS, found.samples)] if found.samples else []),

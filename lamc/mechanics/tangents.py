@@ -4,7 +4,7 @@ Goes in: Equations, names. Comes out: derivatives by q, u and each column of the
 c = J u̇ + γ at given u̇ and λ, as in `linearise`, of closure and of guards. A column is a parameter, or a dimension of
 the drawing: along it the numbers of the drawing move at paces that `setup` is given beside them, so that one program
 serves every dimension. What depends on parameters only is worked out once, by `setup`. Of a tree the factors of M come
-with them.
+with them. Where a matrix of all states is longer than derivatives along a few directions, these stand in its place.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,6 +23,10 @@ from lamc.symbolic.statements import count_operations
 PACE = "pace"  # begins the keys of numbers by which those of the drawing move along a dimension
 # gcc takes some 10 s for so many; the code grows with the square of the rates.
 MAX_FLOPS = 200_000
+# Columns of S are taken four at a time, and so are stages where all derivatives by the state are written down.
+AT_ONCE = 4
+# gcc takes some 2 s for so many, once and once more in vectors.
+MAX_MATRIX = 6000
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,8 @@ class Columns:
 class Tangents:
     """Rows of scalars of the equations' store, for k columns.
 
-    residuals  (nu + m, nq + nu + k): of r, then of c
+    residuals  (nu + m, nq + nu + k): of r, then of c; (nu + m, k) where `along` stands for those by q and u
+    along      (nu + m,): of r, then of c, by q and u along a direction (nq + nu,) of them; empty where `residuals` has all
     flow       (nq, nq + nu): of q̇ by q and u, where q̇ is not u; else empty
     closure    (m, nq + k + nq + nu + k): of φ by q and the columns, then of J u by q, u and the columns; empty
                for a tree
@@ -53,6 +58,7 @@ class Tangents:
     """
 
     residuals: tuple[tuple[Scalar, ...], ...]
+    along: tuple[Scalar, ...]
     flow: tuple[tuple[Scalar, ...], ...]
     closure: tuple[tuple[Scalar, ...], ...]
     guards: tuple[tuple[Scalar, ...], ...]
@@ -84,8 +90,13 @@ def tangents(equations: Equations, columns: Columns) -> Tangents:
                 f"there is no derivative by {name!r}: it moves the times at which a servo samples"
             )
     with store.section("Derivatives by state and parameters", source="for sensitivities of a run"):
+        along, by_state = _by_state(residuals, state, -(-len(moves) // AT_ONCE))
+        others = [derivatives(residuals, direction) for direction in (*moves, *held)]
         found = Tangents(
-            residuals=_rows(residuals, [*state, *moves, *held]),
+            residuals=tuple(zip(*by_state, *others, strict=True))
+            if by_state or others
+            else ((),) * len(residuals),
+            along=along,
             flow=_rows(equations.coordinate_rates or (), state),
             closure=tuple(
                 of_gaps + of_drifts
@@ -97,7 +108,7 @@ def tangents(equations: Equations, columns: Columns) -> Tangents:
             samples=_rows(sampled, [*state, *moves, *held]),
             factors=_factors(equations),
         )
-    parts = (found.residuals, found.flow, found.closure, found.factors)
+    parts = (found.residuals, (found.along,), found.flow, found.closure, found.factors)
     values = [value for rows in parts for row in rows for value in row]
     flops = count_operations(store, values, Level.PARAMETER).flops
     if flops > MAX_FLOPS:
@@ -106,6 +117,30 @@ def tangents(equations: Equations, columns: Columns) -> Tangents:
             f"operations an evaluation, more than {MAX_FLOPS}; take differences of runs instead"
         )
     return found
+
+
+def _by_state(
+    residuals: Sequence[Scalar], state: Sequence[Mapping[Value, Scalar]], packs: int
+) -> tuple[tuple[Scalar, ...], list[list[Scalar]]]:
+    """Derivatives along a direction, or by each component of the state, whichever costs less for so many packs of
+    columns; the other is empty."""
+    components = [x for each in state for x in each]
+    if not components:
+        return (), []
+    store = components[0].store
+    direction = {x: store.symbol(f"direction_{i}", Space.WEIGHT, i) for i, x in enumerate(components)}
+    along = tuple(derivatives(residuals, direction))
+    limit = min(MAX_MATRIX, AT_ONCE * max(packs, 1) * count_operations(store, along, Level.PARAMETER).flops)
+    columns: list[list[Scalar]] = []
+    before = len(store)
+    for each in state:
+        columns.append(derivatives(residuals, each))
+        if len(store) - before > 2 * limit:  # it will be too long: no need to write the rest
+            return along, []
+    entries = [value for column in columns for value in column]
+    if count_operations(store, entries, Level.PARAMETER).flops > limit:
+        return along, []
+    return (), columns
 
 
 def _moves(equations: Equations, columns: Columns) -> list[Mapping[Value, Scalar]]:

@@ -29,7 +29,7 @@ class Space(Enum):
     TIME = "t"  # s
     ACCELERATION = "a"  # derivatives of the rates
     MULTIPLIER = "l"  # forces of the closure equations
-    WEIGHT = "w"  # of values whose weighted sum is differentiated
+    WEIGHT = "w"  # of values whose weighted sum is differentiated, or of inputs along a direction
     # of a finite element; units in `lamc/plate/elements/`
     CORNER = "xy"  # coordinates of the corners, x and y of one after the other, m
     SECTION = "s"  # unique entries of the section's stiffness
@@ -205,6 +205,8 @@ class Program:
       "impacts"       where there are any: t, q → restitutions of the guards, then derivatives (nu,) of their rates by u
       "tangents"      where it is asked for: t, q, u, u̇, λ → derivatives (nu + m, nq + nu + k) by q, u and k columns of
                       the residuals as in "jacobian", then, where there is "rates", (nq, nq + nu) of q̇
+      "directional_tangents"  beside it, where that is shorter: t, q, u, u̇, λ, a direction (nq + nu,) of q and u →
+                      derivatives (nu + m,) along it; those of "tangents" are by columns only, then
       "closure_tangents"  beside it, with loops: q, u → derivatives (m, nq + k + nq + nu + k) of φ by q and columns,
                       then of J u by q, u and columns
       "sample_tangents"   beside it, with clocks: t, q, u → derivatives (held, nq + nu + k + held) of what they sample,

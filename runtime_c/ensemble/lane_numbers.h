@@ -11,7 +11,8 @@
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__AVX512F__)
+#if defined(LAMC_LANES) /* two, four, or what the machine has room for */
+#elif defined(__AVX512F__)
 #define LAMC_LANES 8
 #elif defined(__AVX__)
 #define LAMC_LANES 4
@@ -32,7 +33,7 @@ typedef double lanes __attribute__((vector_size(8 * LAMC_LANES), may_alias));
 typedef int64_t lane_bits __attribute__((vector_size(8 * LAMC_LANES), may_alias));
 
 #if defined(__has_builtin)
-#if defined(__AVX512F__) && !defined(__clang__) && __has_builtin(__builtin_ia32_blendmpd_512_mask) &&        \
+#if LAMC_LANES == 8 && !defined(__clang__) && __has_builtin(__builtin_ia32_blendmpd_512_mask) &&             \
     __has_builtin(__builtin_ia32_cmppd512_mask) && __has_builtin(__builtin_ia32_cmpq512_mask)
 #define LAMC_MASK_REGISTERS
 #endif

@@ -6,48 +6,14 @@
 #define LAMC_AHEAD_H
 
 #include "memory.h"
+#include "side_by_side.h"
 #include "sums.h"
 #include "tableau.h"
 #include "variation.h"
 
-enum { STAGES_AT_MOST = 16, ALIGNED = 64 };
-
-/* Numbers of a place: t, q, u, udot, lambda */
-static inline ptrdiff_t lamc_place_size(const lamc_model *model) {
-  return 1 + model->coordinate_count + 2 * (ptrdiff_t)model->rate_count + model->closure_count;
-}
-
-/* Numbers that lamc_tangents.side_by_side leaves for a place */
-static inline ptrdiff_t lamc_residuals_size(const lamc_model *model, const lamc_tangents *tangents) {
-  const ptrdiff_t nu = model->rate_count, across = model->coordinate_count + nu + tangents->column_count;
-  return (nu + model->closure_count) * across + (lamc_is_plain(model) ? nu * (nu + 1) / 2 : 0);
-}
-
 /* 1 if stages are looked at side by side */
 static inline int lamc_looks_ahead(const lamc_model *model, const lamc_tangents *tangents) {
-  return tangents->lanes > 0 && (lamc_is_plain(model) || lamc_has_factors(model));
-}
-
-static inline long long lamc_ahead_size(const lamc_model *model, const lamc_tangents *tangents) {
-  if (!lamc_looks_ahead(model, tangents)) return 0;
-  const long long lanes = tangents->lanes, stages = (STAGES_AT_MOST + lanes - 1) / lanes * lanes;
-  return lanes * (model->constant_count + lamc_place_size(model)) +
-         stages * lamc_residuals_size(model, tangents) + ALIGNED / (long long)sizeof(lamc_real);
-}
-
-/* Where the parts lie: constants, places of one block, residuals of all */
-typedef struct ahead {
-  lamc_real *constants, *places, *residuals;
-} ahead;
-
-static inline ahead lamc_ahead_of(const lamc_sensitivity *s) {
-  const lamc_model *model = s->motion.model;
-  const int lanes = s->tangents->lanes;
-  ahead a;
-  a.constants = s->ahead + (ALIGNED - (uintptr_t)s->ahead % ALIGNED) % ALIGNED / sizeof(lamc_real);
-  a.places = a.constants + (ptrdiff_t)lanes * model->constant_count;
-  a.residuals = a.places + lanes * lamc_place_size(model);
-  return a;
+  return tangents->side_by_side != NULL && (lamc_is_plain(model) || lamc_has_factors(model));
 }
 
 /* dy/dt of the run at a stage of its last step */
@@ -96,19 +62,6 @@ static inline int lamc_known_place(lamc_sensitivity *s, const tableau *a, int st
   return 1;
 }
 
-static inline void lamc_put_lane(int lanes, ptrdiff_t count, const lamc_real *from, lamc_real *to) {
-  for (ptrdiff_t i = 0; i < count; i++) to[i * lanes] = from[i];
-}
-
-static inline void lamc_put_place(const lamc_model *model, int lanes, const lamc_place *place,
-                                  lamc_real *to) {
-  const ptrdiff_t n = (ptrdiff_t)model->coordinate_count + model->rate_count;
-  to[0] = place->t;
-  lamc_put_lane(lanes, n, place->y, to + lanes);
-  lamc_put_lane(lanes, model->rate_count, place->udot, to + (1 + n) * lanes);
-  lamc_put_lane(lanes, model->closure_count, place->lambda, to + (1 + n + model->rate_count) * lanes);
-}
-
 /* Works out the residuals of the stages first <= stage < beyond of the last step. 0: they are to be had one by one.
  * y: (n,) of scratch */
 static inline int lamc_look_ahead(lamc_sensitivity *s, const tableau *a, int first, int beyond,
@@ -117,10 +70,8 @@ static inline int lamc_look_ahead(lamc_sensitivity *s, const tableau *a, int fir
   const int lanes = s->tangents->lanes;
   s->ahead_first = s->ahead_beyond = first;
   if (!lamc_looks_ahead(model, s->tangents)) return 0;
-  const ahead at = lamc_ahead_of(s);
-  for (int i = 0; s->has_new_constants && i < model->constant_count; i++)
-    for (int k = 0; k < lanes; k++) at.constants[(ptrdiff_t)i * lanes + k] = s->beside.constants[i];
-  s->has_new_constants = 0;
+  const side_by_side at = lamc_side_by_side_of(s);
+  lamc_spread_constants(s, &at);
   lamc_real *residuals = at.residuals;
   for (int begin = first; begin < beyond; begin += lanes) {
     for (int k = 0; k < lanes; k++) { /* lanes that are left over take the last stage once more */
@@ -138,15 +89,20 @@ static inline int lamc_look_ahead(lamc_sensitivity *s, const tableau *a, int fir
   return 1;
 }
 
-/* dS/dt at a stage that was looked at, with derivatives sens (n, width) */
-static inline void lamc_vary_ahead(lamc_sensitivity *s, int stage, const lamc_real *sens, lamc_real *slope) {
+/* dS/dt at a stage that was looked at, with derivatives sens (n, width); y: (n,) of scratch */
+static inline void lamc_vary_ahead(lamc_sensitivity *s, const tableau *a, int stage, const lamc_real *sens,
+                                   lamc_real *y, lamc_real *slope) {
   const lamc_model *model = s->motion.model;
   const int lanes = s->tangents->lanes, index = stage - s->ahead_first;
   const ptrdiff_t size = lamc_residuals_size(model, s->tangents);
   lamc_place place = {0};
-  if (!lamc_is_plain(model)) place = lamc_remembered(s, s->ahead_entry[stage]);
+  if (!lamc_is_plain(model)) {
+    place = lamc_remembered(s, s->ahead_entry[stage]);
+  } else if (s->tangents->state_columns == 0) {
+    (void)lamc_known_place(s, a, stage, y, &place);
+  }
   variation v = lamc_variation_of(s);
-  v.derivative = lamc_ahead_of(s).residuals + index / lanes * lanes * size + index % lanes;
+  v.derivative = lamc_side_by_side_of(s).residuals + index / lanes * lanes * size + index % lanes;
   lamc_vary_by(s, &v, &place, s->tangents->along_lane, sens, slope);
 }
 

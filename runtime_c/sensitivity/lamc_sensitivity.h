@@ -18,9 +18,10 @@ extern "C" {
 
 /* Derivatives of a model's equations. Generated C fills it; it never changes. */
 typedef struct lamc_tangents {
-  int column_count; /* k: parameters and dimensions that the equations are differentiated by */
-  /* At udot and lambda -> (nu + m, nq + nu + k) derivatives by q, u and columns of M udot - f - J^T lambda (nu,), then of
-   * J udot + gamma (m,); then, if the model has rates, (nq, nq + nu) of dq/dt by q and u; then, of a model that gives
+  int column_count;  /* k: parameters and dimensions that the equations are differentiated by */
+  int state_columns; /* nq + nu; 0: derivatives by q and u are had along a direction, by `directional` */
+  /* At udot and lambda -> (nu + m, state_columns + k) derivatives by q, u and columns of M udot - f - J^T lambda (nu,), then
+   * of J udot + gamma (m,); then, if the model has rates, (nq, nq + nu) of dq/dt by q and u; then, of a model that gives
    * accelerations as they are, factors of M */
   void (*residuals)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                     const lamc_real *udot, const lamc_real *lambda, lamc_real *residuals);
@@ -37,13 +38,20 @@ typedef struct lamc_tangents {
    * are none. Rows of residuals and of guards end with derivatives by what is held, too */
   void (*samples)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
                   lamc_real *samples);
-  int lanes; /* places whose residuals are worked out side by side; 0: there is no C for that */
+  /* -> (nu + m,) derivatives of the residuals along a direction (nq + nu,) of q and u. NULL: state_columns are there */
+  void (*directional)(const lamc_real *constants, lamc_real t, const lamc_real *q, const lamc_real *u,
+                      const lamc_real *udot, const lamc_real *lambda, const lamc_real *direction,
+                      lamc_real *residuals);
+  int lanes; /* numbers that are worked out side by side, each of them beginning at a multiple of 64 bytes; 0: none are */
   /* As `residuals` at so many places: constants (constant_count, lanes), places (1 + nq + nu + nu + m, lanes) of t, q, u, udot
-   * and lambda -> residuals (.., lanes). Each begins at a multiple of 64 bytes */
+   * and lambda -> residuals (.., lanes). NULL: one place comes after the other */
   void (*side_by_side)(const lamc_real *constants, const lamc_real *places, lamc_real *residuals);
   /* As `along`, from one of those lanes on */
   void (*along_lane)(const lamc_real *residuals, int width, const lamc_real *sens, lamc_real *rows,
                      lamc_real *goals);
+  /* As `directional`, along so many directions (nq + nu, lanes). NULL: one after the other */
+  void (*directions)(const lamc_real *constants, const lamc_real *places, const lamc_real *directions,
+                     lamc_real *residuals);
 } lamc_tangents;
 
 const lamc_tangents *lamc_this_tangents(void);
@@ -89,7 +97,7 @@ typedef struct lamc_sensitivity {
   lamc_real *slopes; /* dS/dt at the stages */
   lamc_real *scratch;
   lamc_real *remembered; /* the run's last evaluations: see memory.h */
-  lamc_real *ahead;      /* residuals at the stages of a step, side by side: see ahead.h */
+  lamc_real *lanes;      /* what is worked out side by side: see side_by_side.h */
   int has_new_constants; /* 1: they are not in lanes yet */
   int ahead_first, ahead_beyond,
       ahead_entry[16]; /* which stages, and the evaluations that are remembered of them */

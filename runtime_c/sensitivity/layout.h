@@ -47,7 +47,7 @@ static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_mo
                              lamc_whole(lamc_fine_size(n, width)),
                              2LL * model->held_count * width,
                              lamc_memory_size(model),
-                             lamc_ahead_size(model, tangents)};
+                             lamc_lay_side_by_side(model, tangents, NULL, NULL)};
   enum { PARTS = sizeof sizes / sizeof sizes[0] };
   long long at[PARTS + 1] = {0};
   for (int i = 0; i < PARTS; i++) at[i + 1] = at[i] + sizes[i];
@@ -66,7 +66,7 @@ static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_mo
     r->fine = work + at[13];
     s->held = work + at[14];
     s->remembered = work + at[15];
-    s->ahead = work + at[16];
+    s->lanes = work + at[16];
     s->held_width = width;
   }
   return at[PARTS];

@@ -35,7 +35,7 @@ static inline lamc_place lamc_stage_place(lamc_sensitivity *s, const tableau *a,
 static inline void lamc_replay_slope(lamc_sensitivity *s, const tableau *a, int stage, const lamc_real *sens,
                                      lamc_real *y) {
   if (stage >= s->ahead_first && stage < s->ahead_beyond) {
-    lamc_vary_ahead(s, stage, sens, lamc_slope_of(s, stage));
+    lamc_vary_ahead(s, a, stage, sens, y, lamc_slope_of(s, stage));
     return;
   }
   const lamc_place place = lamc_stage_place(s, a, stage, y);

@@ -14,11 +14,13 @@
 #include "motion.h"
 #include "packs.h"
 #include "series.h"
+#include "side_by_side.h"
 #include "system.h"
 
 /* Counts of a model, and where its parts lie in scratch */
 typedef struct variation {
   int nq, nu, m, n, k, width;
+  int by_state;               /* columns by q and u of the residuals: n or 0 */
   int held_count, held_width; /* what clocks hold, and the width of its derivatives */
   const lamc_real *held;
   lamc_real *udot, *lambda, *derivative, *x, *goal, *goals, *packs, *closure;
@@ -54,6 +56,7 @@ static inline variation lamc_variation_of(const lamc_sensitivity *s) {
   v.m = model->closure_count;
   v.n = v.nq + v.nu;
   v.k = s->tangents->column_count;
+  v.by_state = s->tangents->state_columns;
   v.width = s->width;
   v.held_count = model->held_count;
   v.held_width = s->held_width;
@@ -137,24 +140,67 @@ static inline void lamc_vary_solve_loops(const lamc_motion *motion, const variat
   }
 }
 
+/* rows (nu, width) less derivatives of the residuals along columns of S, goals (m, width) plus those of the loops; a pack of
+ * columns at a time */
+static inline void lamc_vary_packs(lamc_sensitivity *s, const variation *v, const lamc_place *at,
+                                   const lamc_real *sens, lamc_real *rows) {
+  const lamc_model *model = s->motion.model;
+  const side_by_side room = lamc_side_by_side_of(s);
+  lamc_spread_constants(s, &room);
+  for (int k = 0; k < PACK; k++) lamc_put_place(model, PACK, at, room.places + k);
+  for (int b = 0; b < v->width; b += PACK) {
+    for (int j = 0; j < v->n; j++)
+      lamc_pack_put(room.directions + (ptrdiff_t)j * PACK, lamc_pack_at(sens + (ptrdiff_t)j * v->width + b));
+    s->tangents->directions(room.constants, room.places, room.directions, room.along);
+    const lamc_real *found = room.along;
+    for (int i = 0; i < v->nu; i++, found += PACK)
+      lamc_row_less(PACK, 1, found, rows + (ptrdiff_t)i * v->width + b);
+    for (int i = 0; i < v->m; i++, found += PACK)
+      lamc_row_less(PACK, -1, found, v->goals + (ptrdiff_t)i * v->width + b);
+  }
+}
+
+/* The same, a column at a time */
+static inline void lamc_vary_columns(lamc_sensitivity *s, const variation *v, const lamc_place *at,
+                                     const lamc_real *sens, lamc_real *rows) {
+  const side_by_side room = lamc_side_by_side_of(s);
+  for (int c = 0; c < s->column_count; c++) {
+    for (int j = 0; j < v->n; j++) room.directions[j] = sens[(ptrdiff_t)j * v->width + c];
+    s->tangents->directional(s->beside.constants, at->t, at->y, at->y + v->nq, at->udot, at->lambda,
+                             room.directions, room.along);
+    for (int i = 0; i < v->nu; i++) rows[(ptrdiff_t)i * v->width + c] -= room.along[i];
+    for (int i = 0; i < v->m; i++) v->goals[(ptrdiff_t)i * v->width + c] += room.along[v->nu + i];
+  }
+}
+
+static inline void lamc_vary_directions(lamc_sensitivity *s, const variation *v, const lamc_place *at,
+                                        const lamc_real *sens, lamc_real *rows) {
+  if (s->tangents->directions != NULL)
+    lamc_vary_packs(s, v, at, sens, rows);
+  else
+    lamc_vary_columns(s, v, at, sens, rows);
+}
+
 /* lamc_tangents.along, or .along_lane */
 typedef void (*along_residuals)(const lamc_real *residuals, int width, const lamc_real *sens, lamc_real *rows,
                                 lamc_real *goals);
 
 /* rows (nu, width): what moves S, solved already in a plain model; goals: what the loops ask for */
-static inline void lamc_vary_along(const variation *v, along_residuals along, const lamc_real *sens,
-                                   lamc_real *rows) {
-  const int across = v->n + v->k + v->held_count;
+static inline void lamc_vary_along(lamc_sensitivity *s, const variation *v, const lamc_place *at,
+                                   along_residuals along, const lamc_real *sens, lamc_real *rows) {
+  const int across = v->by_state + v->k + v->held_count;
   memset(rows, 0, (size_t)v->nu * (size_t)v->width * sizeof *rows);
   memset(v->goals, 0, (size_t)v->m * (size_t)v->width * sizeof *rows);
   for (int j = 0; j < v->held_count; j++) {
-    const lamc_real *held = v->held + (ptrdiff_t)j * v->held_width, *value = v->derivative + v->n + v->k + j;
+    const lamc_real *held = v->held + (ptrdiff_t)j * v->held_width,
+                    *value = v->derivative + v->by_state + v->k + j;
     const int width = v->width < v->held_width ? v->width : v->held_width;
     for (int i = 0; i < v->nu; i++)
       lamc_row_less(width, value[(ptrdiff_t)i * across], held, rows + (ptrdiff_t)i * v->width);
     for (int i = 0; i < v->m; i++)
       lamc_row_less(width, -value[(ptrdiff_t)(v->nu + i) * across], held, v->goals + (ptrdiff_t)i * v->width);
   }
+  if (s->tangents->directional != NULL) lamc_vary_directions(s, v, at, sens, rows);
   along(v->derivative, v->width, sens, rows, v->goals);
 }
 
@@ -180,7 +226,7 @@ static inline void lamc_vary_by(lamc_sensitivity *s, const variation *v, const l
                                 along_residuals along, const lamc_real *sens, lamc_real *slope) {
   const lamc_model *model = s->motion.model;
   lamc_real *late = slope + (ptrdiff_t)v->nq * v->width;
-  lamc_vary_along(v, along, sens, late);
+  lamc_vary_along(s, v, at, along, sens, late);
   if (s->beside.baumgarte != 0) lamc_vary_stabilise(s, v, at->y, sens);
   if (model->cut_count > 0) {
     const lamc_motion there = lamc_motion_at(s, at->work);
@@ -192,7 +238,7 @@ static inline void lamc_vary_by(lamc_sensitivity *s, const variation *v, const l
     memcpy(slope, sens + (ptrdiff_t)v->nq * v->width, (size_t)v->nq * (size_t)v->width * sizeof *slope);
     return;
   }
-  const lamc_real *flow = v->derivative + (ptrdiff_t)(v->nu + v->m) * (v->n + v->k + v->held_count);
+  const lamc_real *flow = v->derivative + (ptrdiff_t)(v->nu + v->m) * (v->by_state + v->k + v->held_count);
   variation only_state = *v;
   only_state.k = only_state.held_count = 0;
   for (int i = 0; i < v->nq; i++) {

@@ -20,7 +20,7 @@ from lamc.codegen.pieces import CFunction
 from lamc.codegen.printer import LANES, ShapePrinter
 from lamc.symbolic.program import Operand, Program, Space
 
-# In one block of lanes: beyond so many gcc takes seconds, and the machine's cache of instructions is too small for stages.
+# In one block of lanes: beyond so many gcc takes seconds, and the machine's cache of instructions is too small.
 MAX_STATEMENTS = 4000
 
 

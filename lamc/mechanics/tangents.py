@@ -46,7 +46,7 @@ class Tangents:
     """Rows of scalars of the equations' store, for k columns.
 
     residuals  (nu + m, nq + nu + k): of r, then of c; (nu + m, k) where `along` stands for those by q and u
-    along      (nu + m,): of r, then of c, by q and u along a direction (nq + nu,) of them; empty where `residuals` has all
+    along      (nu + m,): of r, then of c, along a direction (nq + nu,) of q and u; empty where `residuals` has all
     flow       (nq, nq + nu): of q̇ by q and u, where q̇ is not u; else empty
     closure    (m, nq + k + nq + nu + k): of φ by q and the columns, then of J u by q, u and the columns; empty
                for a tree

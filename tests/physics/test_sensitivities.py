@@ -1,7 +1,8 @@
 """Derivatives of a run: closed forms, differences of runs, and the motion itself, which they leave as it is."""
 
 import pickle
-from collections.abc import Sequence
+import platform
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +12,11 @@ import pytest
 
 import lamc
 from lamc.codegen.cache import Cache
+from lamc.mechanics import tangents
+from lamc.mechanics.lower import lower
 from lamc.mechanics.tangents import Columns
 from lamc.records.mechanism import Body, Joint, Mechanism
+from tests.support.ctools import needs_cc
 from tests.support.every_effect import SAMPLES
 from tests.support.every_effect import mechanism as two_links
 from tests.support.mechanisms import chain, two_flaps
@@ -337,6 +341,68 @@ def test_a_servo_that_samples(integrator: str) -> None:
     period = next(name for name in sim.parameters if name.endswith("period"))
     with pytest.raises(lamc.RequestError, match="the times at which a servo samples"):
         sim.run(t_end=0.1, sensitivities=[period])
+
+
+def _two_links(*names: str) -> Mechanism:
+    return replace(two_links(), scene=lamc.Scene(effects=tuple(SAMPLES[name] for name in names)))
+
+
+def _sampled() -> Mechanism:
+    servo = lamc.Servo(joint="h", command=0.5, stiffness=2.0, damping=0.02, period=0.013)
+    return replace(oscillator(), scene=lamc.Scene(effects=(servo, lamc.HingeStiffness()), angles={"h": 0.1}))
+
+
+def _following() -> Mechanism:
+    command = lamc.Series(np.linspace(0.0, 1.0, 6), [0.0, 0.1, -0.1, 0.2, 0.05, 0.3], hold="linear")
+    scene = lamc.Scene(
+        effects=(lamc.HingeStiffness(), lamc.Torque({"h": "command"})),
+        inputs={"command": lamc.Input(unit="N*m", series=command)},
+        angles={"h": 0.1},
+    )
+    return replace(oscillator(), scene=scene)
+
+
+DEVICES: dict[str, Callable[[], lamc.Design | Mechanism]] = {
+    "a loop": lambda: example("four_bar"),
+    "impacts": lambda: example("limit_stop"),
+    "a base that moves": lambda: _two_links("gravity", "free_base"),
+    "a table": lambda: _two_links("gravity", "nonlinear_stiffness"),
+    "samples": _sampled,
+    "a series": _following,
+}
+
+
+@pytest.mark.quick("a loop-dop853-*", "samples-dop853-")
+@pytest.mark.parametrize("flags", ["", " -mavx", " -DLAMC_ONE_LANE"])
+@pytest.mark.parametrize("integrator", ["dop853", "radau5"])
+@pytest.mark.parametrize("name", sorted(DEVICES))
+@needs_cc
+def test_along_directions_as_by_each_component_of_the_state(
+    name: str, integrator: str, flags: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both ways to write derivatives by the state, and both with numbers side by side or one after the other."""
+    if " -mavx" in flags and platform.machine() not in ("x86_64", "AMD64"):
+        pytest.skip("no such processor")
+    device = DEVICES[name]()
+    asked = {"t_end": 0.2, "t_eval": np.linspace(0.0, 0.2, 7), "integrator": integrator}
+
+    def found() -> Array:
+        sim = lamc.compile(device, options=lamc.CompileOptions(compiler=f"cc{flags}"))
+        names = [each for each in sim.parameters if each.endswith((".mass", "stiffness", "_x"))][:2]
+        program = lower(sim.equations, columns=Columns(tuple(names)))
+        assert ("directional_tangents" in program.functions) == (tangents.MAX_MATRIX == 0)
+        run = sim.run(**asked, sensitivities=[*names, f"angles.{sim.joints[0]}"])
+        assert run.sensitivities is not None
+        return run.sensitivities.values
+
+    by_state = found()
+    monkeypatch.setenv("LAMC_CACHE_DIR", str(tmp_path))  # the cache knows modules by their design
+    monkeypatch.setattr(tangents, "MAX_MATRIX", 0)
+    along = found()
+    # The same sums in another order: some round-off of the largest, over some hundred steps.
+    scale = np.abs(by_state).max(axis=(0, 1))
+    assert np.abs(by_state - along).max(axis=(0, 1)) == pytest.approx(0.0, abs=1e-11 * scale.max())
+    assert (scale > 0).all()
 
 
 def test_derivatives_beyond_the_horizon_of_chaos_are_told() -> None:

@@ -13,7 +13,8 @@ from typing import Any
 
 from lamc.basics._version import __version__
 from lamc.basics.resources import data_dir
-from lamc.codegen.emit import SourceTree, declarations_of, environment, look_ups
+from lamc.codegen.emit import SourceTree, counts, declarations_of, environment, look_ups
+from lamc.codegen.emit_lanes import has_small_loops
 from lamc.codegen.layout import arrange
 from lamc.codegen.names import comment
 from lamc.codegen.pieces import CFunction
@@ -42,6 +43,7 @@ def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
         "given": _given(program),
         "real": "double",
         "tables": look_ups(program),
+        "loops": counts(program) if has_small_loops(program) else {},
     }
     unit = f"{tree.prefix}_tangents.c"
     text = environment().get_template("tangents.c.j2").render(context)

@@ -51,7 +51,8 @@ static inline int lamc_known_place(lamc_sensitivity *s, const tableau *a, int st
   const lamc_run *run = &s->run;
   const lamc_real *slope = lamc_run_slope(run, a, stage);
   const lamc_real t = lamc_stage_time(run, a, stage);
-  if (!lamc_is_plain(s->motion.model)) return lamc_recall(s, t, slope, place);
+  if (lamc_recall(s, t, slope, place)) return 1;
+  if (!lamc_is_plain(s->motion.model)) return 0;
   lamc_stage_state(run, a, stage, y);
   place->t = t;
   place->y = y;
@@ -70,18 +71,17 @@ static inline int lamc_look_ahead(lamc_sensitivity *s, const tableau *a, int fir
   const int lanes = s->tangents->lanes;
   s->ahead_first = s->ahead_beyond = first;
   if (!lamc_looks_ahead(model, s->tangents)) return 0;
-  const side_by_side at = lamc_side_by_side_of(s);
-  lamc_spread_constants(s, &at);
-  lamc_real *residuals = at.residuals;
+  lamc_spread_constants(s);
+  lamc_real *residuals = s->lanes[LANE_RESIDUALS];
   for (int begin = first; begin < beyond; begin += lanes) {
     for (int k = 0; k < lanes; k++) { /* lanes that are left over take the last stage once more */
       const int stage = begin + k < beyond ? begin + k : beyond - 1;
       lamc_place place;
       if (!lamc_known_place(s, a, stage, y, &place)) return 0;
-      lamc_put_place(model, lanes, &place, at.places + k);
+      lamc_put_place(model, lanes, &place, s->lanes[LANE_PLACES] + k);
       s->ahead_entry[stage] = s->recalled;
     }
-    s->tangents->side_by_side(at.constants, at.places, residuals);
+    s->tangents->side_by_side(s->lanes[LANE_CONSTANTS], s->lanes[LANE_PLACES], residuals);
     residuals += lanes * lamc_residuals_size(model, s->tangents);
   }
   s->evaluations += beyond - first;
@@ -102,7 +102,7 @@ static inline void lamc_vary_ahead(lamc_sensitivity *s, const tableau *a, int st
     (void)lamc_known_place(s, a, stage, y, &place);
   }
   variation v = lamc_variation_of(s);
-  v.derivative = lamc_side_by_side_of(s).residuals + index / lanes * lanes * size + index % lanes;
+  v.derivative = s->lanes[LANE_RESIDUALS] + index / lanes * lanes * size + index % lanes;
   lamc_vary_by(s, &v, &place, s->tangents->along_lane, sens, slope);
 }
 

@@ -51,6 +51,41 @@ static inline lamc_real lamc_s_error(int n, int width, lamc_real h, const lamc_r
   return worst;
 }
 
+/* 1 if that error is at most `enough` for sure, by norms that are quicker to have: |v| <= ||v|| <= sqrt(n) |v| of the largest
+ * component |v| */
+static inline int lamc_s_is_exact(int n, int width, lamc_real h, const lamc_real *slopes, int count,
+                                  const lamc_real *fifth, const lamc_real *third, const lamc_real *sens,
+                                  lamc_real enough) {
+  const ptrdiff_t size = (ptrdiff_t)n * width;
+  const lamc_real nothing[PACK] = {0};
+  for (int b = 0; b < width; b += PACK) {
+    lamc_real five[PACK], three[PACK], most[PACK];
+    lamc_pack of_five = lamc_pack_at(nothing), of_three = of_five, of_sens = of_five;
+    for (int i = 0; i < n; i++) {
+      const lamc_real *at = slopes + (ptrdiff_t)i * width + b;
+      lamc_pack a = lamc_pack_at(nothing), d = a;
+      for (int k = 0; k < count; k++, at += size) {
+        if (fifth[k] == 0) continue; /* those of the third order are zero there, too */
+        const lamc_pack slope = lamc_pack_at(at);
+        a = lamc_pack_add(a, fifth[k], slope);
+        if (third != NULL) d = lamc_pack_add(d, third[k], slope);
+      }
+      of_five = lamc_pack_add_square(of_five, a);
+      of_three = lamc_pack_add_square(of_three, d);
+      of_sens = lamc_pack_add_square(of_sens, lamc_pack_at(sens + (ptrdiff_t)i * width + b));
+    }
+    lamc_pack_put(five, of_five);
+    lamc_pack_put(three, of_three);
+    lamc_pack_put(most, of_sens);
+    for (int c = 0; c < PACK; c++) { /* squares all of them */
+      const lamc_real smallest = LAMC_R(0.01) * three[c] / n, both = five[c] + smallest;
+      const lamc_real error = h * h * (third == NULL || !(both > 0) ? five[c] : five[c] * five[c] / both);
+      if (!(error * n <= enough * enough * most[c])) return 0;
+    }
+  }
+  return 1;
+}
+
 /* One step of y and S together from (t, y, sens). Leaves the new ones, and returns the error of S. */
 static inline lamc_real lamc_fine_step(lamc_sensitivity *s, lamc_real t, lamc_real h, const lamc_real *y,
                                        const lamc_real *sens, lamc_real *y_new, lamc_real *sens_new,

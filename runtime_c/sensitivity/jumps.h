@@ -56,7 +56,7 @@ static inline int lamc_delay(lamc_sensitivity *s, lamc_real t, const lamc_real *
 }
 
 /* u after the impact of a state moved by `way` along a column of S, of delays and of the inputs: into r->after */
-static inline void lamc_struck_at(lamc_sensitivity *s, const room *r, lamc_real t, const lamc_real *y,
+static inline void lamc_struck_at(lamc_sensitivity *s, const lamc_room *r, lamc_real t, const lamc_real *y,
                                   const lamc_real *column, lamc_real late, int c, lamc_real way,
                                   const lamc_real *struck) {
   const lamc_model *model = s->motion.model;
@@ -100,7 +100,7 @@ static inline lamc_real lamc_reach_of(const lamc_sensitivity *s, const lamc_real
 
 /* S- + f- tau, replaced by what the impact makes of it. Its map is an algebraic one, and happens seldom: differences of order
  * 6 know its derivatives to some 1e-11, and to some 1e-9 in loops near a singular position. */
-static inline void lamc_strike(lamc_sensitivity *s, const room *r, lamc_real t, const lamc_real *y,
+static inline void lamc_strike(lamc_sensitivity *s, const lamc_room *r, lamc_real t, const lamc_real *y,
                                const lamc_real *late, const lamc_real *struck) {
   static const lamc_real WEIGHT[3] = {LAMC_R(0.75), LAMC_R(-0.15), LAMC_R(1.0) / 60};
   const int n = s->run.ode.n, nq = s->motion.model->coordinate_count;
@@ -161,7 +161,7 @@ static inline void lamc_sample(lamc_sensitivity *s, lamc_real t, const lamc_real
 }
 
 /* One guard is struck: a switch, or an impact */
-static inline lamc_status lamc_meet_one(lamc_sensitivity *s, const room *r, lamc_real t, lamc_real *y,
+static inline lamc_status lamc_meet_one(lamc_sensitivity *s, const lamc_room *r, lamc_real t, lamc_real *y,
                                         int guard, const lamc_real *struck) {
   lamc_real *late = r->collocation; /* (width,): nothing else is there between steps */
   const int is_passed = lamc_delay(s, t, y, slope_here(&s->run), guard, late);
@@ -182,8 +182,8 @@ static inline lamc_status lamc_meet_one(lamc_sensitivity *s, const room *r, lamc
 
 /* Several switches at one instant, such as those of two feet that touch down together. Each turns a force of its own on or
  * off: where their effects on dy/dt add up, it does not matter which comes first, and each has its part in the jump. */
-static inline lamc_status lamc_meet_switches(lamc_sensitivity *s, const room *r, lamc_real t, lamc_real *y,
-                                             const lamc_real *struck) {
+static inline lamc_status lamc_meet_switches(lamc_sensitivity *s, const lamc_room *r, lamc_real t,
+                                             lamc_real *y, const lamc_real *struck) {
   const lamc_model *model = s->motion.model;
   const int n = s->run.ode.n;
   const lamc_real *before = slope_here(&s->run);

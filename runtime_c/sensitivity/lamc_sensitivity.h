@@ -17,6 +17,8 @@ extern "C" {
 /* lamc: declarations begin */
 
 /* Derivatives of a model's equations. Generated C fills it; it never changes. */
+struct lamc_loop_parts;
+
 typedef struct lamc_tangents {
   int column_count;  /* k: parameters and dimensions that the equations are differentiated by */
   int state_columns; /* nq + nu; 0: derivatives by q and u are had along a direction, by `directional` */
@@ -52,6 +54,10 @@ typedef struct lamc_tangents {
   /* As `directional`, along so many directions (nq + nu, lanes). NULL: one after the other */
   void (*directions)(const lamc_real *constants, const lamc_real *places, const lamc_real *directions,
                      lamc_real *residuals);
+  /* rows (nu, width) replaced by x of M x = rows + J^T .., J x + goals = 0, by columns; of small loops: see loop_columns.h.
+   * NULL: the runtime has a slower one */
+  void (*loop_columns)(const struct lamc_loop_parts *parts, int count, int width, const lamc_real *goals,
+                       lamc_real *rows, lamc_real *scratch);
 } lamc_tangents;
 
 const lamc_tangents *lamc_this_tangents(void);
@@ -64,6 +70,12 @@ typedef enum lamc_lost {
   LAMC_LOST_SINGULAR = 3,  /* loops lost equations at a singular position */
   LAMC_LOST_NOT_FINITE = 4 /* they grew beyond all numbers */
 } lamc_lost;
+
+/* Scratch of a run with derivatives: S (n, width) of an argument; two states; constants; inputs; what collocation and finer
+ * steps take */
+typedef struct lamc_room {
+  lamc_real *argument, *y, *after, *constants, *inputs, *collocation, *fine;
+} lamc_room;
 
 /* A run with its derivatives, under way. Fields are for reading; lamc_sensitivity_start sets them all.
  *
@@ -96,8 +108,9 @@ typedef struct lamc_sensitivity {
   int held_width;
   lamc_real *slopes; /* dS/dt at the stages */
   lamc_real *scratch;
+  lamc_room room;
   lamc_real *remembered; /* the run's last evaluations: see memory.h */
-  lamc_real *lanes;      /* what is worked out side by side: see side_by_side.h */
+  lamc_real *lanes[5];   /* what is worked out side by side: see side_by_side.h */
   int has_new_constants; /* 1: they are not in lanes yet */
   int ahead_first, ahead_beyond,
       ahead_entry[16]; /* which stages, and the evaluations that are remembered of them */

@@ -12,12 +12,6 @@
 #include "finely.h"
 #include "memory.h"
 
-/* Scratch of a run with derivatives: S (n, width) of an argument; two states; constants; inputs; what collocation and finer
- * steps take */
-typedef struct room {
-  lamc_real *argument, *y, *after, *constants, *inputs, *collocation, *fine;
-} room;
-
 enum { SLOPES = 16 };
 
 static inline long long lamc_whole(long long size) {
@@ -25,7 +19,7 @@ static inline long long lamc_whole(long long size) {
 }
 
 /* Where the parts lie; returns how many numbers they take. s NULL: for the size only */
-static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_model *model,
+static inline long long lamc_lay_out(lamc_sensitivity *s, const lamc_model *model,
                                      const lamc_tangents *tangents, int columns, lamc_real *work) {
   const int n = model->coordinate_count + model->rate_count, width = lamc_columns_width(columns);
   const long long block = (long long)n * width;
@@ -57,25 +51,19 @@ static inline long long lamc_lay_out(lamc_sensitivity *s, room *r, const lamc_mo
     s->beside.constants = work + at[7];
     s->beside.work = work + at[11];
     s->scratch = work + at[12];
-    r->argument = work + at[4];
-    r->y = work + at[5];
-    r->after = work + at[6];
-    r->constants = work + at[8];
-    r->inputs = work + at[9];
-    r->collocation = work + at[10];
-    r->fine = work + at[13];
+    s->room.argument = work + at[4];
+    s->room.y = work + at[5];
+    s->room.after = work + at[6];
+    s->room.constants = work + at[8];
+    s->room.inputs = work + at[9];
+    s->room.collocation = work + at[10];
+    s->room.fine = work + at[13];
     s->held = work + at[14];
     s->remembered = work + at[15];
-    s->lanes = work + at[16];
+    (void)lamc_lay_side_by_side(model, tangents, work + at[16], s->lanes);
     s->held_width = width;
   }
   return at[PARTS];
-}
-
-static inline room lamc_room_of(lamc_sensitivity *s) {
-  room r;
-  (void)lamc_lay_out(s, &r, s->motion.model, s->tangents, s->column_count, s->here);
-  return r;
 }
 
 #endif /* LAMC_LAYOUT_H */

@@ -19,27 +19,32 @@ static inline long long lamc_loop_columns_size(const lamc_model *model) {
   return 3LL * PACK * model->rate_count;
 }
 
-static inline lamc_real *lamc_pack_in(lamc_real *packs, int i) {
+LAMC_PACK_FUNCTION lamc_real *lamc_pack_in(lamc_real *packs, int i) {
   return packs + (ptrdiff_t)PACK * i;
 }
 
 /* x with the taken equations at -goal and nothing along the free rates; goals: rows of `width` */
-static inline void lamc_impose_pack(const lamc_loop_parts *p, int count, const lamc_real *goals, int width,
-                                    lamc_real *y, lamc_real *x) {
+LAMC_PACK_FUNCTION void lamc_impose_pack(const lamc_loop_parts *p, const int n, const int count,
+                                         const lamc_real *goals, int width, lamc_real *y, lamc_real *x) {
   const lamc_real none[PACK] = {0};
-  for (int i = 0; i < p->n; i++) lamc_pack_put(lamc_pack_in(x, i), lamc_pack_at(none));
+  LAMC_UNROLL
+  for (int i = 0; i < n; i++) lamc_pack_put(lamc_pack_in(x, i), lamc_pack_at(none));
+  LAMC_UNROLL
   for (int k = 0; k < count; k++) {
     const int row = (int)p->rows[k];
     const lamc_real scale = p->norms[row] > 0 ? -1 / p->norms[row] : 0;
     lamc_pack sum = lamc_pack_times(scale, lamc_pack_at(goals + (ptrdiff_t)row * width));
+    LAMC_UNROLL
     for (int i = 0; i < k; i++)
-      sum = lamc_pack_add(sum, -p->a[(ptrdiff_t)k * p->n + i], lamc_pack_at(lamc_pack_in(y, i)));
+      sum = lamc_pack_add(sum, -p->a[(ptrdiff_t)k * n + i], lamc_pack_at(lamc_pack_in(y, i)));
     lamc_pack_put(lamc_pack_in(y, k), sum);
   }
+  LAMC_UNROLL
   for (int k = count - 1; k >= 0; k--) {
     lamc_pack sum = lamc_pack_at(lamc_pack_in(y, k));
+    LAMC_UNROLL
     for (int i = k + 1; i < count; i++)
-      sum = lamc_pack_add(sum, -p->a[(ptrdiff_t)k * p->n + i], lamc_pack_at(lamc_pack_in(y, i)));
+      sum = lamc_pack_add(sum, -p->a[(ptrdiff_t)k * n + i], lamc_pack_at(lamc_pack_in(y, i)));
     sum = lamc_pack_times(p->inverse[k], sum);
     lamc_pack_put(lamc_pack_in(y, k), sum);
     lamc_pack_put(lamc_pack_in(x, (int)p->columns[k]), sum);
@@ -47,15 +52,17 @@ static inline void lamc_impose_pack(const lamc_loop_parts *p, int count, const l
 }
 
 /* z = force - M x; force: rows of `width` */
-static inline void lamc_remain_pack(const lamc_loop_parts *p, const lamc_real *force, int width,
-                                    const lamc_real *x, lamc_real *z) {
-  const lamc_real *row = p->mass;
-  for (int i = 0; i < p->n; i++)
-    lamc_pack_put(lamc_pack_in(z, i), lamc_pack_at(force + (ptrdiff_t)i * width));
-  for (int i = 0; i < p->n; i++, row += i) {
+LAMC_PACK_FUNCTION void lamc_remain_pack(const lamc_loop_parts *p, const int n, const lamc_real *force,
+                                         int width, const lamc_real *x, lamc_real *z) {
+  LAMC_UNROLL
+  for (int i = 0; i < n; i++) lamc_pack_put(lamc_pack_in(z, i), lamc_pack_at(force + (ptrdiff_t)i * width));
+  LAMC_UNROLL
+  for (int i = 0; i < n; i++) {
+    const lamc_real *row = p->mass + i * (i + 1) / 2;
     if (i >= p->cut && i < p->beyond) continue;
     const lamc_pack xi = lamc_pack_at(x + (ptrdiff_t)PACK * i);
     lamc_pack sum = lamc_pack_add(lamc_pack_at(lamc_pack_in(z, i)), -row[i], xi);
+    LAMC_UNROLL
     for (int k = 0; k < i; k++) {
       sum = lamc_pack_add(sum, -row[k], lamc_pack_at(x + (ptrdiff_t)PACK * k));
       lamc_pack_put(lamc_pack_in(z, k), lamc_pack_add(lamc_pack_at(lamc_pack_in(z, k)), -row[k], xi));
@@ -65,35 +72,40 @@ static inline void lamc_remain_pack(const lamc_loop_parts *p, const lamc_real *f
 }
 
 /* x += N (N^T M N)^-1 N^T z */
-static inline void lamc_free_pack(const lamc_loop_parts *p, int count, const lamc_real *z, lamc_real *found,
-                                  lamc_real *x) {
-  const int free = p->n - count;
+LAMC_PACK_FUNCTION void lamc_free_pack(const lamc_loop_parts *p, const int n, const int count,
+                                       const lamc_real *z, lamc_real *found, lamc_real *x) {
+  const int free = n - count;
   const lamc_real none[PACK] = {0};
+  LAMC_UNROLL
   for (int a = 0; a < free; a++) {
-    const lamc_real *direction = p->free + (ptrdiff_t)a * p->n;
+    const lamc_real *direction = p->free + (ptrdiff_t)a * n;
     lamc_pack sum = lamc_pack_at(none);
-    for (int i = 0; i < p->n; i++)
-      sum = lamc_pack_add(sum, direction[i], lamc_pack_at(z + (ptrdiff_t)PACK * i));
+    LAMC_UNROLL
+    for (int i = 0; i < n; i++) sum = lamc_pack_add(sum, direction[i], lamc_pack_at(z + (ptrdiff_t)PACK * i));
     lamc_pack_put(lamc_pack_in(found, a), sum);
   }
   lamc_solve_columns(free, p->l, PACK, found);
-  for (int i = 0; i < p->n; i++) {
+  LAMC_UNROLL
+  for (int i = 0; i < n; i++) {
     lamc_pack sum = lamc_pack_at(lamc_pack_in(x, i));
+    LAMC_UNROLL
     for (int a = 0; a < free; a++)
-      sum = lamc_pack_add(sum, p->free[(ptrdiff_t)a * p->n + i], lamc_pack_at(lamc_pack_in(found, a)));
+      sum = lamc_pack_add(sum, p->free[(ptrdiff_t)a * n + i], lamc_pack_at(lamc_pack_in(found, a)));
     lamc_pack_put(lamc_pack_in(x, i), sum);
   }
 }
 
-/* rows (n, width), forces, replaced by x; goals (m, width); scratch: lamc_loop_columns_size */
-static inline void lamc_loop_columns(const lamc_loop_parts *p, int count, int width, const lamc_real *goals,
-                                     lamc_real *rows, lamc_real *scratch) {
-  lamc_real *x = scratch, *z = lamc_pack_in(x, p->n), *y = lamc_pack_in(z, p->n);
+/* rows (n, width), forces, replaced by x; goals (m, width); scratch: lamc_loop_columns_size. Numbers that a compiler knows make
+ * straight code */
+LAMC_PACK_FUNCTION void lamc_loop_columns_of(const int n, const int count, const lamc_loop_parts *p,
+                                             int width, const lamc_real *goals, lamc_real *rows,
+                                             lamc_real *scratch) {
+  lamc_real *x = scratch, *z = lamc_pack_in(x, n), *y = lamc_pack_in(z, n);
   for (int b = 0; b < width; b += PACK) {
-    lamc_impose_pack(p, count, goals + b, width, y, x);
-    lamc_remain_pack(p, rows + b, width, x, z);
-    lamc_free_pack(p, count, z, y, x);
-    for (int i = 0; i < p->n; i++)
+    lamc_impose_pack(p, n, count, goals + b, width, y, x);
+    lamc_remain_pack(p, n, rows + b, width, x, z);
+    lamc_free_pack(p, n, count, z, y, x);
+    for (int i = 0; i < n; i++)
       lamc_pack_put(rows + (ptrdiff_t)i * width + b, lamc_pack_at(lamc_pack_in(x, i)));
   }
 }

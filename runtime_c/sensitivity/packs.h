@@ -15,6 +15,11 @@ enum { PACK = 4 };
 
 #ifdef __GNUC__
 #define LAMC_PACK_FUNCTION static inline __attribute__((always_inline))
+#ifdef __clang__
+#define LAMC_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define LAMC_UNROLL _Pragma("GCC unroll 10")
+#endif
 
 typedef lamc_real lamc_pack __attribute__((vector_size(PACK * sizeof(lamc_real))));
 /* The same anywhere in memory */
@@ -37,7 +42,15 @@ LAMC_PACK_FUNCTION lamc_pack lamc_pack_add(lamc_pack x, lamc_real a, lamc_pack y
 LAMC_PACK_FUNCTION lamc_pack lamc_pack_times(lamc_real a, lamc_pack x) {
   return a * x;
 }
+
+/* x + y y */
+LAMC_PACK_FUNCTION lamc_pack lamc_pack_add_square(lamc_pack x, lamc_pack y) {
+  return x + y * y;
+}
 #else
+#define LAMC_PACK_FUNCTION static inline
+#define LAMC_UNROLL
+
 typedef struct lamc_pack {
   lamc_real x[PACK];
 } lamc_pack;
@@ -61,21 +74,30 @@ static inline lamc_pack lamc_pack_times(lamc_real a, lamc_pack x) {
   for (int i = 0; i < PACK; i++) x.x[i] *= a;
   return x;
 }
+
+static inline lamc_pack lamc_pack_add_square(lamc_pack x, lamc_pack y) {
+  for (int i = 0; i < PACK; i++) x.x[i] += y.x[i] * y.x[i];
+  return x;
+}
 #endif
 
 /* rows (n, width) replaced by M^-1 of them, of M = L L^T as lamc_cholesky leaves it: all columns at once */
-static inline void lamc_solve_columns(int n, const lamc_real *l, int width, lamc_real *rows) {
+LAMC_PACK_FUNCTION void lamc_solve_columns(const int n, const lamc_real *l, int width, lamc_real *rows) {
   for (int b = 0; b < width; b += PACK) {
     lamc_real *columns = rows + b;
+    LAMC_UNROLL
     for (int i = 0; i < n; i++) {
       const lamc_real *li = l + (ptrdiff_t)i * n;
       lamc_pack sum = lamc_pack_at(columns + (ptrdiff_t)i * width);
+      LAMC_UNROLL
       for (int j = 0; j < i; j++)
         sum = lamc_pack_add(sum, -li[j], lamc_pack_at(columns + (ptrdiff_t)j * width));
       lamc_pack_put(columns + (ptrdiff_t)i * width, lamc_pack_times(li[i], sum));
     }
+    LAMC_UNROLL
     for (int i = n - 1; i >= 0; i--) {
       lamc_pack sum = lamc_pack_at(columns + (ptrdiff_t)i * width);
+      LAMC_UNROLL
       for (int j = i + 1; j < n; j++)
         sum = lamc_pack_add(sum, -l[(ptrdiff_t)j * n + i], lamc_pack_at(columns + (ptrdiff_t)j * width));
       lamc_pack_put(columns + (ptrdiff_t)i * width, lamc_pack_times(l[(ptrdiff_t)i * n + i], sum));

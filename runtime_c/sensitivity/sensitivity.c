@@ -17,7 +17,7 @@ long long lamc_sensitivity_work_size(const lamc_model *model, const lamc_tangent
                                      int column_count) {
   if (model == NULL || tangents == NULL || column_count < 1 || column_count > INT_MAX / 64) return 0;
   if (tangents->column_count < 0 || tangents->column_count > column_count) return 0;
-  return lamc_lay_out(NULL, NULL, model, tangents, column_count, NULL);
+  return lamc_lay_out(NULL, model, tangents, column_count, NULL);
 }
 
 static size_t block_bytes(const lamc_sensitivity *s) {
@@ -35,25 +35,27 @@ static int is_block_finite(const lamc_sensitivity *s, const lamc_real *block) {
   return is_finite(sum);
 }
 
-/* The error of S in the step that was replayed, over its size, for the worst column */
-static lamc_real replay_error(const lamc_sensitivity *s) {
+/* 1 if the step that was replayed is too long for S: its error, over its size, for the worst column */
+static int is_too_long(const lamc_sensitivity *s) {
   static const lamc_real RK45_E[7] = {71.0 / 57600.0,      0.0,          -71.0 / 16695.0, 71.0 / 1920.0,
                                       -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0};
-  const int n = s->run.ode.n, is_five = s->run.method == LAMC_RK45;
-  return lamc_s_error(n, s->width, s->run.h_last, s->slopes, is_five ? 7 : 12, is_five ? RK45_E : DOP853_E5,
-                      is_five ? NULL : DOP853_E3, s->end);
+  const int n = s->run.ode.n, is_five = s->run.method == LAMC_RK45, count = is_five ? 7 : 12;
+  const lamc_real h = s->run.h_last, enough = LAMC_S_PER_RTOL * s->run.options.rtol;
+  const lamc_real *fifth = is_five ? RK45_E : DOP853_E5, *third = is_five ? NULL : DOP853_E3;
+  return !lamc_s_is_exact(n, s->width, h, s->slopes, count, fifth, third, s->end, enough) &&
+         lamc_s_error(n, s->width, h, s->slopes, count, fifth, third, s->end) > enough;
 }
 
 /* S over the last step of the run, whose end no event has changed yet */
 static void follow(lamc_sensitivity *s) {
   lamc_run *run = &s->run;
-  const room r = lamc_room_of(s);
+  const lamc_room r = s->room;
   lamc_take_constants(s);
   memcpy(s->start, s->here, block_bytes(s));
   int is_known = 1;
   if (lamc_is_replayed(run->method)) {
     lamc_replay(s, r.argument, r.y);
-    if (replay_error(s) > LAMC_S_PER_RTOL * run->options.rtol) {
+    if (is_too_long(s)) {
       lamc_follow_finely(s, r.fine, r.argument);
       lamc_replay_end(s, r.y); /* the next step begins with the slope of this S */
     }
@@ -70,7 +72,7 @@ static void follow(lamc_sensitivity *s) {
 /* The event of the run, and what it does to S */
 static lamc_status meet(const void *context, lamc_real t, lamc_real *y, const lamc_real *struck) {
   lamc_sensitivity *s = (lamc_sensitivity *)context; /* whose first member is the motion */
-  const room r = lamc_room_of(s);
+  const lamc_room r = s->room;
   if (s->run.t > s->t) {
     follow(s);
     if (wants_rows_within(&s->run) && lamc_is_replayed(s->method)) lamc_replay_extend(s, r.argument, r.y);
@@ -105,7 +107,7 @@ static lamc_status meet(const void *context, lamc_real t, lamc_real *y, const la
 static void pass(const void *context, long long next) {
   lamc_sensitivity *s = (lamc_sensitivity *)context; /* whose first member is the motion */
   if (s->run.t > s->t) {
-    const room r = lamc_room_of(s);
+    const lamc_room r = s->room;
     follow(s);
     if (wants_rows_within(&s->run) && lamc_is_replayed(s->method)) lamc_replay_extend(s, r.argument, r.y);
   }
@@ -138,13 +140,12 @@ lamc_status lamc_sensitivity_start(lamc_sensitivity *s, const lamc_motion *motio
   s->t = t0;
   s->t_lost = HUGE_VAL;
   s->t_break = -HUGE_VAL;
-  room r;
-  (void)lamc_lay_out(s, &r, motion->model, tangents, column_count, work);
+  (void)lamc_lay_out(s, motion->model, tangents, column_count, work);
   if (motion->model->cut_count > 0) lamc_loops_begin(&s->beside);
   lamc_memory_begin(s);
   lamc_ode ode = lamc_motion_ode(&s->motion);
   s->rhs = ode.rhs;
-  if (!lamc_is_plain(motion->model) || !lamc_looks_ahead(motion->model, tangents)) ode.rhs = lamc_remember;
+  ode.rhs = lamc_remember;
   ode.integral_count = 0;
   if (ode.guard_count > 0) ode.event = meet;
   if (ode.pass != NULL) ode.pass = pass;
@@ -155,8 +156,8 @@ lamc_status lamc_sensitivity_start(lamc_sensitivity *s, const lamc_motion *motio
            (size_t)column_count * sizeof *s0);
   if (status != LAMC_OK) return status;
   lamc_take_constants(s);
-  s->beside.baumgarte = 0;                          /* a start is closed whatever comes of it */
-  lamc_vary_settle(s, t0, y0, s->here, r.argument); /* differences of starts know it to some 1e-9 */
+  s->beside.baumgarte = 0;                                /* a start is closed whatever comes of it */
+  lamc_vary_settle(s, t0, y0, s->here, s->room.argument); /* differences of starts know it to some 1e-9 */
   s->beside.baumgarte = motion->baumgarte;
   lamc_sample(s, t0, y0, NULL);
   return status;
@@ -167,7 +168,7 @@ static void write_row(lamc_sensitivity *s, lamc_real t, const lamc_real *y, lamc
   const int n = s->run.ode.n;
   const lamc_real *block = s->here;
   if (t < s->run.t && s->run.h_last > 0) {
-    const room r = lamc_room_of(s);
+    const lamc_room r = s->room;
     const lamc_real x = (t - s->run.t_old) / s->h;
     if (lamc_is_replayed(s->method)) {
       lamc_replay_extend(s, r.argument, r.y);
@@ -199,7 +200,7 @@ static lamc_status write_rows(lamc_sensitivity *s, lamc_rows *rows, lamc_real *s
   const int n = s->run.ode.n;
   const lamc_status status = lamc_rows_write(&s->run, rows);
   for (long long k = first; k < rows->count; k++) {
-    if (rows->t[k] < s->run.t && s->run.h_last > 0) make_ready(s, lamc_room_of(s).y);
+    if (rows->t[k] < s->run.t && s->run.h_last > 0) make_ready(s, s->room.y);
     write_row(s, rows->t[k], rows->y + k * n, sensitivities + k * n * s->column_count);
   }
   return status;

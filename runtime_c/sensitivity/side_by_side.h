@@ -9,10 +9,8 @@
 
 enum { STAGES_AT_MOST = 16, ALIGNED = 64 };
 
-/* Where the parts lie: constants, places, directions and residuals along them, of one lane each; residuals of many places */
-typedef struct side_by_side {
-  lamc_real *constants, *places, *directions, *along, *residuals;
-} side_by_side;
+/* Parts of the memory: what lies in lanes, and residuals of many places */
+enum { LANE_CONSTANTS, LANE_PLACES, LANE_DIRECTIONS, LANE_ALONG, LANE_RESIDUALS, LANE_PARTS };
 
 /* Numbers of a place: t, q, u, udot, lambda */
 static inline ptrdiff_t lamc_place_size(const lamc_model *model) {
@@ -27,38 +25,30 @@ static inline ptrdiff_t lamc_residuals_size(const lamc_model *model, const lamc_
 
 /* Lays them out; returns how many numbers they take */
 static inline long long lamc_lay_side_by_side(const lamc_model *model, const lamc_tangents *tangents,
-                                              lamc_real *room, side_by_side *parts) {
+                                              lamc_real *room, lamc_real **parts) {
   const long long lanes = tangents->lanes > 0 ? tangents->lanes : 1, nu = model->rate_count;
   const long long stages = tangents->side_by_side != NULL ? (STAGES_AT_MOST + lanes - 1) / lanes * lanes : 0;
   const long long sizes[] = {lanes * model->constant_count, lanes * lamc_place_size(model),
                              lanes * (model->coordinate_count + nu), lanes * (nu + model->closure_count),
                              stages * lamc_residuals_size(model, tangents)};
-  enum { PARTS = sizeof sizes / sizeof sizes[0] };
   const long long whole = ALIGNED / (long long)sizeof(lamc_real);
-  long long at[PARTS + 1] = {0};
-  for (int i = 0; i < PARTS; i++) at[i + 1] = at[i] + (sizes[i] + whole - 1) / whole * whole;
-  if (parts != NULL) {
-    lamc_real *begin = room + (ALIGNED - (uintptr_t)room % ALIGNED) % ALIGNED / sizeof(lamc_real);
-    lamc_real **const all[PARTS] = {&parts->constants, &parts->places, &parts->directions, &parts->along,
-                                    &parts->residuals};
-    for (int i = 0; i < PARTS; i++) *all[i] = begin + at[i];
+  long long at = 0;
+  if (room != NULL) room += (ALIGNED - (uintptr_t)room % ALIGNED) % ALIGNED / sizeof(lamc_real);
+  for (int i = 0; i < LANE_PARTS; i++) {
+    if (parts != NULL) parts[i] = room + at;
+    at += (sizes[i] + whole - 1) / whole * whole;
   }
-  return at[PARTS] + whole;
-}
-
-static inline side_by_side lamc_side_by_side_of(const lamc_sensitivity *s) {
-  side_by_side parts;
-  (void)lamc_lay_side_by_side(s->motion.model, s->tangents, s->lanes, &parts);
-  return parts;
+  return at + whole;
 }
 
 /* The constants as they are now, in every lane */
-static inline void lamc_spread_constants(lamc_sensitivity *s, const side_by_side *parts) {
+static inline void lamc_spread_constants(lamc_sensitivity *s) {
   const lamc_model *model = s->motion.model;
   const int lanes = s->tangents->lanes, count = model->constant_count;
   if (!s->has_new_constants && model->series_count == 0) return;
+  lamc_real *constants = s->lanes[LANE_CONSTANTS];
   for (int i = 0; i < count; i++)
-    for (int k = 0; k < lanes; k++) parts->constants[(ptrdiff_t)i * lanes + k] = s->beside.constants[i];
+    for (int k = 0; k < lanes; k++) constants[(ptrdiff_t)i * lanes + k] = s->beside.constants[i];
   s->has_new_constants = 0;
 }
 

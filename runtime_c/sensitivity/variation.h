@@ -124,12 +124,15 @@ static inline lamc_motion lamc_motion_at(const lamc_sensitivity *s, lamc_real *w
 }
 
 /* rows (nu, width) replaced by x of M x = rows + J^T ..., J x + goals = 0, by columns; goals (m, width) */
-static inline void lamc_vary_solve_loops(const lamc_motion *motion, const variation *v, int count,
-                                         int columns, lamc_real *rows) {
+static inline void lamc_vary_solve_loops(const lamc_tangents *tangents, const lamc_motion *motion,
+                                         const variation *v, int count, int columns, lamc_real *rows) {
   lamc_loop_parts p;
   lamc_loop_parts_of(motion, &p);
   if (lamc_has_loop_columns(&p)) {
-    lamc_loop_columns(&p, count, v->width, v->goals, rows, v->packs);
+    if (tangents->loop_columns != NULL)
+      tangents->loop_columns(&p, count, v->width, v->goals, rows, v->packs);
+    else
+      lamc_loop_columns_of(v->nu, count, &p, v->width, v->goals, rows, v->packs);
     return;
   }
   for (int c = 0; c < columns; c++) {
@@ -145,14 +148,15 @@ static inline void lamc_vary_solve_loops(const lamc_motion *motion, const variat
 static inline void lamc_vary_packs(lamc_sensitivity *s, const variation *v, const lamc_place *at,
                                    const lamc_real *sens, lamc_real *rows) {
   const lamc_model *model = s->motion.model;
-  const side_by_side room = lamc_side_by_side_of(s);
-  lamc_spread_constants(s, &room);
-  for (int k = 0; k < PACK; k++) lamc_put_place(model, PACK, at, room.places + k);
+  lamc_real *directions = s->lanes[LANE_DIRECTIONS];
+  lamc_spread_constants(s);
+  for (int k = 0; k < PACK; k++) lamc_put_place(model, PACK, at, s->lanes[LANE_PLACES] + k);
   for (int b = 0; b < v->width; b += PACK) {
     for (int j = 0; j < v->n; j++)
-      lamc_pack_put(room.directions + (ptrdiff_t)j * PACK, lamc_pack_at(sens + (ptrdiff_t)j * v->width + b));
-    s->tangents->directions(room.constants, room.places, room.directions, room.along);
-    const lamc_real *found = room.along;
+      lamc_pack_put(directions + (ptrdiff_t)j * PACK, lamc_pack_at(sens + (ptrdiff_t)j * v->width + b));
+    s->tangents->directions(s->lanes[LANE_CONSTANTS], s->lanes[LANE_PLACES], directions,
+                            s->lanes[LANE_ALONG]);
+    const lamc_real *found = s->lanes[LANE_ALONG];
     for (int i = 0; i < v->nu; i++, found += PACK)
       lamc_row_less(PACK, 1, found, rows + (ptrdiff_t)i * v->width + b);
     for (int i = 0; i < v->m; i++, found += PACK)
@@ -163,13 +167,13 @@ static inline void lamc_vary_packs(lamc_sensitivity *s, const variation *v, cons
 /* The same, a column at a time */
 static inline void lamc_vary_columns(lamc_sensitivity *s, const variation *v, const lamc_place *at,
                                      const lamc_real *sens, lamc_real *rows) {
-  const side_by_side room = lamc_side_by_side_of(s);
+  lamc_real *direction = s->lanes[LANE_DIRECTIONS], *along = s->lanes[LANE_ALONG];
   for (int c = 0; c < s->column_count; c++) {
-    for (int j = 0; j < v->n; j++) room.directions[j] = sens[(ptrdiff_t)j * v->width + c];
+    for (int j = 0; j < v->n; j++) direction[j] = sens[(ptrdiff_t)j * v->width + c];
     s->tangents->directional(s->beside.constants, at->t, at->y, at->y + v->nq, at->udot, at->lambda,
-                             room.directions, room.along);
-    for (int i = 0; i < v->nu; i++) rows[(ptrdiff_t)i * v->width + c] -= room.along[i];
-    for (int i = 0; i < v->m; i++) v->goals[(ptrdiff_t)i * v->width + c] += room.along[v->nu + i];
+                             direction, along);
+    for (int i = 0; i < v->nu; i++) rows[(ptrdiff_t)i * v->width + c] -= along[i];
+    for (int i = 0; i < v->m; i++) v->goals[(ptrdiff_t)i * v->width + c] += along[v->nu + i];
   }
 }
 
@@ -230,7 +234,7 @@ static inline void lamc_vary_by(lamc_sensitivity *s, const variation *v, const l
   if (s->beside.baumgarte != 0) lamc_vary_stabilise(s, v, at->y, sens);
   if (model->cut_count > 0) {
     const lamc_motion there = lamc_motion_at(s, at->work);
-    lamc_vary_solve_loops(&there, v, at->count, s->column_count, late);
+    lamc_vary_solve_loops(s->tangents, &there, v, at->count, s->column_count, late);
   } else if (lamc_is_system(model)) {
     lamc_solve_columns(v->nu, at->work, v->width, late);
   }
@@ -261,6 +265,10 @@ static inline void lamc_vary(lamc_sensitivity *s, const lamc_place *at, const la
 /* How the rates in rows (nu, width) move coordinates: added to `out` (nq, width) */
 static inline void lamc_vary_move(const lamc_sensitivity *s, const variation *v, const lamc_real *y,
                                   const lamc_real *rows, lamc_real *out) {
+  if (s->motion.model->rates == NULL) {
+    for (ptrdiff_t i = 0; i < (ptrdiff_t)v->nu * v->width; i++) out[i] += rows[i];
+    return;
+  }
   for (int c = 0; c < s->column_count; c++) {
     for (int i = 0; i < v->nu; i++) v->x[i] = rows[(ptrdiff_t)i * v->width + c];
     lamc_motion_rates(&s->beside, y, v->x, v->derivative);
@@ -278,16 +286,16 @@ static inline void lamc_vary_settle_at(lamc_sensitivity *s, const lamc_place *at
   const lamc_motion there = lamc_motion_at(s, at->work);
   const lamc_real *y = at->y;
   lamc_real *late = sens + (ptrdiff_t)v.nq * v.width;
+  s->tangents->closure(s->beside.constants, y, y + v.nq, v.closure);
   for (int level = 0; level < 2; level++) {
-    s->tangents->closure(s->beside.constants, y, y + v.nq, v.derivative);
     for (int i = 0; i < v.m; i++) {
-      const lamc_real *row = v.derivative + (ptrdiff_t)i * across + (level == 0 ? 0 : part);
+      const lamc_real *row = v.closure + (ptrdiff_t)i * across + (level == 0 ? 0 : part);
       lamc_real *goal = v.goals + (ptrdiff_t)i * v.width;
       lamc_minus_along(&v, level == 0 ? v.nq : v.n, row, sens, goal);
       lamc_row_scale(v.width, -1, goal);
     }
     memset(rows, 0, (size_t)v.nu * (size_t)v.width * sizeof *rows);
-    lamc_vary_solve_loops(&there, &v, at->count, s->column_count, rows);
+    lamc_vary_solve_loops(s->tangents, &there, &v, at->count, s->column_count, rows);
     if (level == 0) {
       lamc_vary_move(s, &v, y, rows, sens);
     } else {

@@ -213,6 +213,7 @@ def test_a_film_of_an_earlier_run_is_taken_away(tmp_path: Path) -> None:
     assert (tmp_path / "o" / "animation.txt").exists()
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_was_computed_within_a_short_time(tmp_path: Path) -> None:
     file = pendulum(tmp_path / "p.yaml", extra="")
     # Compiled beforehand, so that the second run begins at once.
@@ -529,6 +530,7 @@ def test_doctor_finds_a_compiler_that_works_and_one_that_does_not(cache_of_the_s
     assert "broken" in ill.stdout
 
 
+@pytest.mark.slow
 def test_a_reader_that_goes_away_is_no_error() -> None:
     command = f"{sys.executable} -m lamc.cli schema | head -1"
     done = subprocess.run(

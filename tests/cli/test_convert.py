@@ -97,6 +97,7 @@ DESIGNS = [name for name in examples.names() if examples.find(name).path is not 
 
 @pytest.mark.parametrize("suffix", [".yaml", ".mechanism.yaml", ".joints"])
 @pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.quick("five_bar-*", "pendulum-*", "folding_box-*")
 def test_examples_come_back_from_each_format_as_the_same_mechanism(
     tmp_path: Path, name: str, suffix: str
 ) -> None:
@@ -115,6 +116,7 @@ def test_examples_come_back_from_each_format_as_the_same_mechanism(
 
 @pytest.mark.parametrize("suffix", [".fold", ".joints", ".mechanism.yaml"])
 @pytest.mark.parametrize("name", sorted(SHEETS))
+@pytest.mark.quick("miura-*", "box-*")
 def test_sheets_come_back_from_each_format_as_the_same_mechanism(
     tmp_path: Path, name: str, suffix: str
 ) -> None:

@@ -43,6 +43,7 @@ def test_it_prints_the_equilibrium_and_writes_what_it_says() -> None:
     assert float(row[head.index("frequency (Hz)")]) == mode["frequency"]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("painted")
 def test_the_picture_shows_every_mode_at_both_ends() -> None:
     result = call("--example", "waterbomb", "--size", "120", "--amplitude", "15 deg")

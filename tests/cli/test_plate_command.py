@@ -101,6 +101,7 @@ def test_the_table_tells_the_error_against_the_series() -> None:
     assert line.endswith("%")
 
 
+@pytest.mark.slow
 def test_the_strip_twists_under_a_symmetric_load(shared: Path) -> None:
     expected = case_of(shared, "strip_45_22_45")["expected"]
     data = answer("--example", "strip")

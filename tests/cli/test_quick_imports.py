@@ -4,9 +4,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from tests.support.ctools import needs_cc
 
 
+@pytest.mark.slow
 @needs_cc
 def test_a_run_imports_matplotlib_without_what_nobody_reads(tmp_path: Path) -> None:
     """In a process of its own, as a command is: setters' docstrings name no properties, and all else is as before."""

@@ -57,6 +57,7 @@ def test_a_copy_of_an_example_beside_the_schema_names_it(tmp_path: Path) -> None
     assert rest == (tmp_path / "bare" / "flaps.yaml").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_list_has_every_effect_and_each_can_be_asked_for() -> None:
     listed = call("schema", "--list").stdout
     for name in by_name():
@@ -82,6 +83,7 @@ def test_lists_are_complete() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_warning_is_one_line_on_stderr_and_none_with_quiet(tmp_path: Path) -> None:
     text = Path(__file__).parents[2].joinpath("lamc/examples/flaps.yaml").read_text(encoding="utf-8")
     (tmp_path / "old.yaml").write_text(text.replace("gap: 0.4", "width: 0.2"), encoding="utf-8")

@@ -26,6 +26,7 @@ PAGES = {
     for path in (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
 }
 WHOLE = "\n".join(PAGES.values())  # copies of examples that one page makes serve the others
+LONG = ("docs/guide/linear.md", "docs/guide/optima.md")  # whose programs take seconds
 LANGUAGES = {"sh", "python", "yaml", "c", ""}  # "": what a command prints
 TESTED_BELOW = ("name: flap", "kind: plate")  # how files begin that have tests of their own, and no name
 
@@ -157,7 +158,7 @@ def test_the_pages_have_commands_of_both_kinds() -> None:
 @pytest.mark.parametrize(
     "program",
     [
-        pytest.param(block, id=f"{page}-{k}")
+        pytest.param(block, id=f"{page}-{k}", marks=[pytest.mark.slow] if page in LONG else [])
         for page in PAGES
         for k, block in enumerate(blocks("python", PAGES[page]))
     ],

@@ -101,6 +101,7 @@ def test_tables_in_docstrings_stay_tables() -> None:
     )
 
 
+@pytest.mark.slow
 def test_split_tells_of_loops_where_the_scene_starts_not_as_drawn_nearly_flat(tmp_path: Path) -> None:
     """As drawn the lift's legs lie 1.5 mm above one another, and its weak equations look like a misfit of as much."""
     source = cells(ROOT / "docs" / "tutorials" / "sarrus.ipynb", "code")[1]

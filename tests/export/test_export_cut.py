@@ -159,6 +159,7 @@ def test_drawings_of_layers_lie_over_one_another() -> None:
 
 
 @pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.quick("pendulum", "four_bar", "folding_box", "yoshimura")
 def test_what_is_left_is_the_simulated_device(name: str) -> None:
     design = example(name)
     plan = plan_of(design)

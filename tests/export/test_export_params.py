@@ -56,7 +56,7 @@ def moved(folder: Path, which: str, step: str = "step(&it, 0.2)") -> str:
 
 @pytest.mark.parametrize("precision", ["double", "float"])
 @pytest.mark.parametrize("name", ["four_bar", "flaps"])
-@pytest.mark.quick("four_bar-double")
+@pytest.mark.quick("flaps-float")
 @pytest.mark.ci("four_bar-double", "flaps-float")
 def test_the_c_of_one_design_runs_another(name: str, precision: str, tmp_path: Path) -> None:
     options = ExportOptions(precision=precision, real_time=precision == "float")

@@ -173,7 +173,7 @@ def test_one_cell_is_that_of_quadrature(load: Load, name: str, element: str) -> 
 
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", sorted(MAKERS))
-@pytest.mark.quick("coupled-gcc", "warm-clang")
+@pytest.mark.quick("coupled-gcc")
 @pytest.mark.ci("*-gcc", "warm-clang", "squares-clang")
 def test_it_builds_without_a_warning_and_prints_the_same(
     name: str, compiler: list[str], tmp_path: Path

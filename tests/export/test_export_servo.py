@@ -43,6 +43,7 @@ def by_steps() -> np.ndarray:
     return y
 
 
+@pytest.mark.slow
 @needs_cc
 def test_a_command_that_jumps_acts_at_once(tmp_path: Path) -> None:
     """Also where the caller stands short of where the integrator went, and a run begins with the modes of its start."""

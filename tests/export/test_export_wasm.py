@@ -123,6 +123,7 @@ def test_ten_seconds_of_the_triple_pendulum_have_the_bits_of_the_native_ones(tmp
     assert there.tobytes() == here.tobytes()
 
 
+@pytest.mark.slow
 @needs("node")
 def test_outputs_are_those_of_python(tmp_path: Path) -> None:
     """Of a mechanism with a loop, where it starts."""
@@ -221,6 +222,7 @@ def test_refusals_name_what_is_wrong_and_leave_the_simulator_as_it_was(tmp_path:
     assert result["same"] is True
 
 
+@pytest.mark.slow
 @needs("node")
 def test_what_is_no_name_and_no_number_is_reported_in_one_line(tmp_path: Path) -> None:
     calls = {

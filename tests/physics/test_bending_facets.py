@@ -59,6 +59,7 @@ def read(path: Path, **options: Any) -> tuple[Mechanism, list[str]]:
     return sheet, [str(each.message) for each in caught if issubclass(each.category, DesignWarning)]
 
 
+@pytest.mark.slow
 def test_facets_bend_where_rigid_ones_do_not_move(tmp_path: Path) -> None:
     path = quads(tmp_path, 1.5)
     rigid, _ = read(path, facets="rigid")

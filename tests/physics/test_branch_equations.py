@@ -92,7 +92,7 @@ def passes(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
 
 
 @pytest.mark.parametrize("name", SHEETS)
-@pytest.mark.quick("map*")
+@pytest.mark.quick("map of 3 x 2")
 def test_equations_on_a_branch_are_those_derived_for_it(
     name: str, tmp_path: Path, passes: list[bool]
 ) -> None:
@@ -134,6 +134,7 @@ def test_what_runs_on_a_branch_is_compiled_from_such_equations(
 
 
 @pytest.mark.parametrize("precision", ["double", "float"])
+@pytest.mark.quick("double")
 def test_the_second_pass_derives_nothing(precision: str, tmp_path: Path, passes: list[bool]) -> None:
     sim = lamc.compile(
         flat(3, 2), options=CompileOptions(precision=precision), cache=Cache(tmp_path / "cache")

@@ -84,6 +84,7 @@ def test_a_slack_cable_leaves_flight_free_until_it_is_taut() -> None:
     assert result.energy_balance.balance < 1e-10
 
 
+@pytest.mark.slow
 def test_a_damped_cable_never_pushes() -> None:
     """As scipy has it, with the tension clipped at zero, in steps so short that corners do not show."""
     effects = (over_a_pulley(way(0.5), damping=4.0), DOWN)
@@ -146,6 +147,7 @@ def test_friction_only_takes_energy_and_a_straight_cable_has_none() -> None:
         assert run.success
 
 
+@pytest.mark.slow
 def test_cables_agree_with_the_independent_cross_checks() -> None:
     cables = (
         over_a_pulley("0.4 - 0.1*sin(3*t)", damping=0.2, friction=0.2, slip_speed=0.2),

@@ -59,6 +59,7 @@ def spun(mirror: int, springs: str) -> lamc.Simulator:
 
 
 @pytest.mark.parametrize("mirror", [1, -1])
+@pytest.mark.quick("-1")
 def test_a_crank_turns_a_thousand_times_against_springs_on_all_hinges(mirror: int) -> None:
     """Springs so soft that a thousand turns store a tenth of the energy; each step may lose rtol of it."""
     mechanism = crank_rocker(mirror, "")
@@ -180,6 +181,7 @@ def test_a_hinge_that_yields_and_closes_the_loop_counts_turns(effects: tuple[Any
 
 
 @pytest.mark.parametrize("joint", "ACD")
+@pytest.mark.quick("C")
 def test_a_strip_yields_alike_whichever_way_the_tree_passes_it(joint: str) -> None:
     """What yields rides on the joint's parent: with C the tree comes from there in one image and not in the other, at
     angles of a rad and more."""

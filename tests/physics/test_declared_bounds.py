@@ -38,6 +38,7 @@ def four_bar(folder: Path, bounds: str = DECLARED) -> lamc.Design:
         (0.04, "min: 39999um, max: 40002um"),
     ],
 )
+@pytest.mark.quick("0.04-min: 40 mm, max: 50 mm")
 def test_sensitivities_and_gradients_at_a_bound(tmp_path: Path, length: float, bounds: str) -> None:
     """Against those of the same length amid wider bounds, by central differences."""
     asked = {"t_end": 0.3, "t_eval": T, "rtol": 1e-11, "atol": 1e-13}
@@ -54,6 +55,7 @@ def test_sensitivities_and_gradients_at_a_bound(tmp_path: Path, length: float, b
         assert np.abs(one - central).max() <= 1e-7 * np.abs(central).max()
 
 
+@pytest.mark.slow
 def test_a_fit_finds_a_length_at_its_bound(tmp_path: Path) -> None:
     run = lamc.compile(four_bar(tmp_path).with_parameters({"arm_length": MOST})).run(t_end=0.3, t_eval=T)
     noise = 1e-3 * np.random.default_rng(3).normal(size=(2, len(T)))
@@ -69,6 +71,7 @@ def test_a_fit_finds_a_length_at_its_bound(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_logarithms_do_not_pass_a_bound(tmp_path: Path) -> None:
     """exp(log(0.05)) is more than 0.05, by a unit in the last place."""
     assert np.exp(np.log(MOST)) > MOST

@@ -77,7 +77,7 @@ def test_what_the_energy_loses_is_what_the_hinges_take(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(COUNTS))
-@pytest.mark.quick("four_bar", "vertex")
+@pytest.mark.quick("four_bar")
 @pytest.mark.ci("[!f]*", "four_bar")
 def test_three_cross_checks_agree_on_drawn_loops(name: str) -> None:
     assert check(simulator(name), states=5, t_end=0.1).passed

@@ -110,7 +110,6 @@ OTHERWISE: Mapping[str, tuple[Effect, Mapping[str, Any]]] = {
     "stiffness of stops",
     "voltage of a bender",
     "retardation of a strip",
-    "rotation",
 )
 def test_a_number_that_is_another_is_noticed(case: str) -> None:
     effect, changes = OTHERWISE[case]

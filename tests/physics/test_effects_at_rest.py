@@ -28,6 +28,7 @@ def mass_matrix(rest: Rest, q: Array) -> Array:
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
+@pytest.mark.quick("cable", "hinge_stiffness", "blade_element_drag")
 def test_inertia_by_energies_is_that_of_the_equations(name: str) -> None:
     """Rotors, and air that goes with a wing, too: what is no kinetic energy falls out."""
     sim = lamc.compile(mechanism(), Scene(effects=(SAMPLES[name],)))

@@ -98,6 +98,7 @@ def test_two_cross_checks_tell_the_same_powers(name: str) -> None:
 @pytest.mark.parametrize("name", names())
 @PATIENT
 @given(seed=st.integers(0, 10**6))
+@pytest.mark.quick("cable", "spring", "pouch", "joint_limits")
 def test_only_what_is_driven_brings_energy_in(name: str, seed: int) -> None:
     """Power plus the change of what an effect stores: nothing if it is conservative, never positive if passive."""
     sim = simulator(name)

@@ -132,6 +132,7 @@ def test_loops_meet_their_own_events(effect: Any, integrator: str) -> None:
     assert_alike(sim, many, parameters, **how)
 
 
+@pytest.mark.slow
 def test_loops_on_a_base_that_floats_are_runs_by_themselves() -> None:
     """Four hinges and six rates of the base, whose coordinates are not rates: as many as are solved side by side."""
     drawn = mechanism_of_example(find("four_bar"))

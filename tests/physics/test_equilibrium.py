@@ -133,6 +133,7 @@ def pull(y: float) -> float:
     return -2.0 * K * (1.0 - math.hypot(B, H) / length) * y
 
 
+@pytest.mark.slow
 def test_von_mises_truss_under_load_has_the_roots_of_its_equation_up_to_its_limit() -> None:
     top = B * math.sqrt((1.0 + (H / B) ** 2) ** (1.0 / 3.0) - 1.0)  # where the force is largest
     most = pull(top)

@@ -193,6 +193,7 @@ def test_outliers_count_less_with_a_robust_loss(design: lamc.Design) -> None:
     assert high - low < 0.3 * np.subtract(*reversed(plain.intervals["h1.stiffness"]))
 
 
+@pytest.mark.slow
 def test_a_prior_holds_what_the_data_do_not_tell() -> None:
     t = np.linspace(0.0, 1.0, 101)
     scene = lamc.Scene(angles={"h": 0.3})

@@ -39,6 +39,7 @@ def moving_body() -> str:
     return next(body.name for body in lamc.split(four_bar()).bodies if not body.fixed)
 
 
+@pytest.mark.slow
 def test_derivatives_by_dimensions_are_those_of_runs_beside() -> None:
     """Of angles, rates and a marker, in a loop, by differences of order 4 of whole runs of other drawings."""
     body, point = moving_body(), (0.01, 0.002, 0.003)

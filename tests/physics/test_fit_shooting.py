@@ -58,6 +58,7 @@ def test_pieces_that_meet_recover_a_chaotic_pendulum(recording: lamc.Recording) 
     assert any("multiple shooting, in 20 pieces" in note for note in fit.notes)
 
 
+@pytest.mark.slow
 def test_a_run_that_forgets_its_start_is_fitted_without_a_word(recording: lamc.Recording) -> None:
     check(lamc.fit(double_pendulum(), recording, list(TRUE), SCENE))
 

@@ -167,6 +167,7 @@ def test_a_large_sheet_that_lies_flat_finds_its_branch_by_itself(count: int) -> 
     assert result.energies["kinetic"][-1] > 0.0
 
 
+@pytest.mark.slow
 def test_a_flat_sheet_of_many_free_rates_goes_where_its_creases_push(tmp_path: Path) -> None:
     """A Yoshimura sheet as FOLD files have it: three equations for each vertex within, and no branch but one family."""
     columns, rows = 6, 6

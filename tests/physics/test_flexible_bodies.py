@@ -295,6 +295,7 @@ def closed() -> tuple[Mechanism, Strip]:
     ), coupler
 
 
+@pytest.mark.slow
 def test_loop_with_a_bending_coupler_stays_closed_and_keeps_its_energy() -> None:
     mechanism, coupler = closed()
     general = General(mechanism, (GRAVITY, HingeStiffness(), Bending((coupler.flexible,))))

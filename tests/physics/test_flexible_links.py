@@ -181,6 +181,7 @@ def test_stiff_links_are_rigid_ones() -> None:
     assert result.angle("h0") == pytest.approx(plain.angle("h0"), abs=1e-6)
 
 
+@pytest.mark.slow
 def test_energy_is_kept_by_modes_and_lost_by_their_damping() -> None:
     scene = Scene(effects=(Gravity(), HingeStiffness()), angles={"h0": 0.4}, rates={"h0": 10.0, "h1": -20.0})
     kept, lost = (

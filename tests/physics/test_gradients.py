@@ -87,23 +87,27 @@ def test_an_oscillator_follows_the_closed_form(integrator: str) -> None:
 
 
 @pytest.mark.parametrize("integrator", ["rk45", "dop853", "rodas5p", "radau5", "auto"])
+@pytest.mark.quick("dop853", "radau5", "auto")
 def test_a_tree(integrator: str) -> None:
     sim = lamc.compile(chain(3))
     check(sim, [*sim.parameters, f"angles.{sim.joints[0]}", f"rates.{sim.joints[2]}"], 0.4, integrator)
 
 
 @pytest.mark.parametrize("integrator", ["dop853", "radau5"])
+@pytest.mark.quick("dop853")
 def test_a_loop_by_loads_an_angle_and_a_length(integrator: str) -> None:
     sim = lamc.compile(example("four_bar"))
     check(sim, [*sim.parameters, "angles.arm", "arm_length"], 0.5, integrator)
 
 
 @pytest.mark.parametrize("name", ["two_loops", "bricard"])
+@pytest.mark.quick("bricard")
 def test_several_loops(name: str) -> None:
     sim = lamc.compile(example(name))
     check(sim, list(sim.parameters)[:8], 0.3, "dop853")
 
 
+@pytest.mark.slow
 def test_stops_that_yield() -> None:
     """Behind an event both are as good as the tolerance: where a step is too long for derivatives, each goes over it in
     parts of its own."""
@@ -113,6 +117,7 @@ def test_stops_that_yield() -> None:
 
 
 @pytest.mark.parametrize("name", ["limit_stop", "four_bar"])
+@pytest.mark.quick("limit_stop")
 def test_impacts(name: str) -> None:
     """Sensitivities differentiate an impact by differences of order 6, which know it to some 1e-11."""
     design = example(name)
@@ -162,6 +167,7 @@ def test_jumps_and_kinks_of_a_series(hold: str) -> None:
     check(lamc.compile(replace(oscillator(), scene=scene)), ["h.stiffness", "link.mass", "angles.h"], 1.0)
 
 
+@pytest.mark.slow
 def test_a_servo_that_saturates() -> None:
     servo = lamc.Servo(
         joint="h", command=1.0, stiffness=2.0, damping=0.02, stall_torque=0.3, no_load_speed=20.0
@@ -185,7 +191,7 @@ def test_a_servo_that_samples(integrator: str) -> None:
 
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
-@pytest.mark.quick("free_base", "joint_limits", "servo", "hinge_stiffness")
+@pytest.mark.quick("joint_limits", "servo")
 def test_every_effect(name: str) -> None:
     """Radau's collocation is stepped alike by both, whatever the stiffness; see stops for events."""
     effects = tuple({"gravity": SAMPLES["gravity"], name: SAMPLES[name]}.values())
@@ -235,6 +241,7 @@ def test_measures_against_differences() -> None:
             assert found[name] == pytest.approx(total / (1e-3 * sim.parameters[name]), rel=1e-6), text
 
 
+@pytest.mark.slow
 def test_points_follow_from_lengths() -> None:
     """A length moves a point by the motion, and by where it lies on its body."""
     sim, times = lamc.compile(example("four_bar")), np.linspace(0.0, 0.3, 7)

@@ -115,6 +115,7 @@ def test_reference_is_as_exact_as_it_says() -> None:
     assert truth.facts.uncertainty < 1e-12  # what tolerances of 1e-13 lead one to expect of a swing
 
 
+@pytest.mark.slow
 def test_errors_of_the_points_are_those_against_the_closed_form(free: Ledger) -> None:
     simulator, times = lamc.compile(rod(), FREE), np.linspace(0.0, 4.0, free.sweep.rows)
     exact = swing(times, 1.5)
@@ -134,6 +135,7 @@ def test_energy_of_a_free_swing_drifts_less_at_tighter_tolerances(free: Ledger) 
     assert drifts[0] > 1e3 * drifts[-1]  # nine decades of tolerance, at least three of drift
 
 
+@pytest.mark.slow
 def test_damped_scene_has_no_drift_to_tell(swinging: Ledger) -> None:
     assert all(p.drift is None for p in swinging.points)
 

@@ -302,6 +302,7 @@ def test_half_a_turn_is_not_taken_for_none(angle: float) -> None:
 
 
 @pytest.mark.parametrize("effect", [JointLimits(), JointLimits(restitution=0.5)], ids=["stops", "impacts"])
+@pytest.mark.quick("impacts")
 def test_check_of_limits_knows_stops_and_what_impacts_are_between(effect: JointLimits) -> None:
     bar = Body("bar", 0.1, (0.1, 0, 0), np.diag([1e-4, 3e-3, 3e-3]))
     pin = Joint("pin", "wall", "bar", axis=(0, 1, 0), limits=(-0.3, 0.5))

@@ -188,7 +188,7 @@ def of_sheet(count: int, theta: float, gamma: float = 1.0) -> Mechanism:
 
 
 @pytest.mark.parametrize("count", [3, 4, 5])
-@pytest.mark.quick("3", "4")
+@pytest.mark.quick("4")
 def test_sheets_of_one_plan_have_one_program(count: int) -> None:
     """Loops of many hinges are eliminated by a plan that follows from numbers; where it is the same, so is the
     program, and symmetry leaves many numbers that are equal but for round-off."""
@@ -199,7 +199,7 @@ def test_sheets_of_one_plan_have_one_program(count: int) -> None:
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 6])
-@pytest.mark.quick("4", "6")
+@pytest.mark.quick("4")
 def test_fold_angles_of_a_sheet_have_few_programs(count: int) -> None:
     """Of 12, flat to folded, where no number is one: two or three, whatever the size."""
     effects = (Gravity(),)
@@ -281,6 +281,7 @@ fixed: [{rect: [-20, 0, -10, 10]}]
 """
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=6)
 @given(
     points=st.lists(

@@ -145,6 +145,7 @@ def test_a_loop_by_a_load_an_angle_and_a_length() -> None:
     check(example("four_bar"), ["link.stiffness", "angles.arm", "arm_length"], 0.5)
 
 
+@pytest.mark.slow
 def test_two_angles_chosen_and_the_scale_of_a_drawing() -> None:
     # Of what follows from scale, cubes and fifth powers: over 1e-4 of it differences of order 6 know them to 1e-10.
     check(example("five_bar"), ["ankle_a.stiffness", "angles.hip_b", "scale"], 0.3, reach=1e-4)
@@ -169,6 +170,7 @@ def test_stiff_hinges(integrator: str) -> None:
     check(example("stiff_triple"), ["thigh.mass", "gravity.y"], 0.1, integrator=integrator, close=1e-7)
 
 
+@pytest.mark.slow
 def test_air_on_a_wing() -> None:
     check(example("flapping_wing"), ["wing.air.drag_edge_on", "angles.stroke"], 0.05)
 
@@ -373,6 +375,13 @@ DEVICES: dict[str, Callable[[], lamc.Design | Mechanism]] = {
 
 
 @pytest.mark.quick("a loop-dop853-*", "samples-dop853-")
+@pytest.mark.ci(
+    "a loop-dop853-*",
+    "samples-*-",
+    "impacts-dop853-",
+    "a series-dop853- -DLAMC_ONE_LANE",
+    "a [bt]*-*5- -mavx",
+)
 @pytest.mark.parametrize("flags", ["", " -mavx", " -DLAMC_ONE_LANE"])
 @pytest.mark.parametrize("integrator", ["dop853", "radau5"])
 @pytest.mark.parametrize("name", sorted(DEVICES))
@@ -427,6 +436,7 @@ def test_derivatives_beyond_the_horizon_of_chaos_are_told() -> None:
         assert any("chaotic" in note for note in notes) == is_told, notes
 
 
+@pytest.mark.slow
 def test_a_module_with_derivatives_is_known_by_its_design(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

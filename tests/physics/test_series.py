@@ -343,6 +343,7 @@ def test_c_looks_up_what_numpy_does(rows: int, even: bool) -> None:
 
 
 @pytest.mark.parametrize("hold", ["previous", "linear", "cubic"])
+@pytest.mark.quick("linear")
 def test_all_cross_checks_follow_a_series(hold: str) -> None:
     sim = driven(Series(TIMES, VALUES, hold), Gravity((0.0, 0.0, -G)), text="2*command*cos(angle)")
     assert check(sim, states=5, t_end=1.0).passed

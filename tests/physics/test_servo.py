@@ -114,6 +114,7 @@ def test_a_stall_torque_alone_limits_at_any_rate() -> None:
         assert sim.acceleration([0.0], [rate])[0] * ABOUT_HINGE == pytest.approx(STALL, rel=1e-14)
 
 
+@pytest.mark.slow
 def test_a_servo_with_all_of_it_moves_as_scipy_says_and_keeps_its_books() -> None:
     """Corners are met within 1e-3 s in scipy's steps, each with an error of its square times the kink, some 1e-9."""
     data = {"stall_torque": STALL, "no_load_speed": SPEED, "dead_band": BAND}
@@ -206,6 +207,7 @@ def test_the_gears_inertia_adds_to_the_joints() -> None:
     assert result.energy_balance.balance < 1e-11
 
 
+@pytest.mark.slow
 def test_gears_act_between_moving_bodies_and_in_loops_cross_checked() -> None:
     servos = (
         servo(0.2, "h0", gear_inertia=1e-3, stall_torque=0.5),

@@ -42,6 +42,7 @@ def test_a_miura_from_svg_moves_as_one_from_fold_and_yaml(tmp_path: Path, way: s
 
 
 @pytest.mark.parametrize("pattern_name", ["miura", "waterbomb", "yoshimura", "kresling", "box"])
+@pytest.mark.quick("miura", "waterbomb", "box")
 def test_every_pattern_folds_towards_its_angles(tmp_path: Path, pattern_name: str) -> None:
     """Stored energy falls: springs do the folding, and the damped sheet comes nearer to where they rest."""
     data = {

@@ -353,6 +353,7 @@ def test_without_a_compiler_formulas_stand_alone(tmp_path: Path, monkeypatch: py
     assert "no finite elements stand beside the formulas" in str(reported["notes"])
 
 
+@pytest.mark.slow
 def test_split_as_drawn_does_not_wait_for_plates_to_be_imported() -> None:
     words = "import lamc.commands.split, sys; print([m for m in sys.modules if m.startswith('lamc.plate')])"
     done = subprocess.run([sys.executable, "-c", words], capture_output=True, text=True, check=True)

@@ -198,6 +198,7 @@ def materials_of(steps: SplitSteps) -> dict[str, plate.Material]:
 
 
 @pytest.mark.parametrize("name", drawn_examples())
+@pytest.mark.quick("pendulum", "four_bar", "folding_box", "yoshimura")
 def test_plates_of_an_example_weigh_what_its_bodies_weigh(name: str) -> None:
     """Mass and centre by regions and laminates are those that splitting found from the polygons of each layer."""
     steps = steps_of(name)

@@ -85,6 +85,7 @@ def test_disks_vibrate_as_bessel_functions_say(kind: str) -> None:
 @pytest.mark.parametrize(
     ("family", "element"), [("delaunay", "dkt"), ("jittered", "specht"), ("squares", "bfs")]
 )
+@pytest.mark.quick("delaunay-dkt", "jittered-specht")
 def test_clamped_rectangles_vibrate_as_ritz_found(family: str, element: str) -> None:
     """a/b = 1.5, ω a² sqrt(ρ h / D), from Leissa 1973: 60.772, 93.860, 148.82, 149.74; bounds from above, by 2e-3."""
     mesh = rectangle_mesh(family, 32, 1.5, 1.0)

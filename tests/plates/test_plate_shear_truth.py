@@ -251,6 +251,7 @@ def test_an_element_with_shear_tells_of_layers_that_its_cells_do_not_show(
         assert longer == pytest.approx(0.2 / n / (h / math.sqrt(10.0)), rel=0.06)
 
 
+@pytest.mark.slow
 def test_modes_that_twist_tell_of_layers_too() -> None:
     """Fine cells have the frequency lower by what was told."""
     frequencies, told = [], []

@@ -115,6 +115,7 @@ def test_a_linear_pressure_is_integrated_as_the_element_does(element: str, patte
     ("element", "pattern"), [("lst", "union-jack"), ("dkt+lst", "criss-cross"), ("q9", "squares")]
 )
 @pytest.mark.parametrize("laminate", [SHEET, FIBRES], ids=["isotropic", "fibres"])
+@pytest.mark.quick("isotropic-lst-*", "fibres-*")
 def test_a_free_plate_that_warms_linearly_is_free_of_stress(
     element: str, pattern: str, laminate: plate.Laminate
 ) -> None:

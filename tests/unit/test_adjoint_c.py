@@ -157,7 +157,7 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
 
 
 @needs_cc
-@pytest.mark.quick("loop-DOP853")
+@pytest.mark.quick("gravity-RK45")
 @pytest.mark.parametrize(
     ("name", "method"),
     [

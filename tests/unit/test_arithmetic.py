@@ -45,6 +45,7 @@ def test_fast_accelerations_are_those_of_double(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["pendulum", "four_bar", "flaps"])
+@pytest.mark.quick("four_bar", "flaps")
 def test_single_precision_is_single(name: str) -> None:
     plain, single = compiled(name, CompileOptions()), compiled(name, FLOAT)
     q, u = states(plain)

@@ -361,6 +361,7 @@ def test_popupcad_hinge_lines_that_cross_too_often_are_refused_before_they_are_p
         cads.read(text)
 
 
+@pytest.mark.slow
 def test_popupcad_layers_are_bounded_before_they_are_read() -> None:
     head, layers, rest = re.split(
         r"(?<=layers:\n)(.*?)(?=operations:)", cads.cad(), maxsplit=1, flags=re.DOTALL
@@ -493,6 +494,7 @@ def test_places_beside_each_other_are_held_against_each_other_without_shapes_of_
     assert [line.wkt for line in follow.to_follow(comb, plate, [])] == [line.wkt for line in comb]
 
 
+@pytest.mark.slow
 def test_places_that_cut_each_other_into_too_many_parts_are_refused() -> None:
     steps = [1 + 98 * k / 79 for k in range(80)]
     lines = [f"{{line: [[1, {s}], [99, {s}]]}}" for s in steps] + [

@@ -137,6 +137,7 @@ print(lamc.compile(chain(2, "space", seed=31), scene).acceleration(q, u).tobytes
 """
 
 
+@pytest.mark.slow
 def test_processes_that_build_the_same_design_at_once_all_get_it(
     root: Path, cache_of_the_session: Path
 ) -> None:

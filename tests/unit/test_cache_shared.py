@@ -65,6 +65,7 @@ def root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @needs_cc
 def test_fifty_loads_by_two_processes_all_hit(root: Path) -> None:
     assert not compiled()[1].from_cache

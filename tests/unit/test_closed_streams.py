@@ -62,7 +62,8 @@ with open("codes.json", "w") as file:
 
 
 @posix_only
-@pytest.mark.parametrize("commands", [COMMANDS, pytest.param(SLOW, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("commands", [COMMANDS, SLOW])
 def test_every_command_works_with_stderr_closed(
     commands: Commands, tmp_path: Path, cache_of_the_session: Path
 ) -> None:

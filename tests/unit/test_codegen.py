@@ -194,7 +194,7 @@ def test_names_of_designs_never_reach_paths_or_code() -> None:
         "π",
     ],
 )
-@pytest.mark.quick("rk45", "status", "this_model", "double", "1", "*03c0")
+@pytest.mark.quick("status", "double", "*03c0")
 def test_designs_named_like_files_and_words_of_c_compile_alone_and_as_a_library(
     name: str, tmp_path: Path
 ) -> None:

@@ -246,6 +246,7 @@ def test_what_encloses_nothing_is_refused(strokes: Any, match: str) -> None:
         read(*strokes)
 
 
+@pytest.mark.slow
 def test_a_thousand_facets_in_a_second_or_so() -> None:
     made, _ = read(*of_fold(corpus.miura(32, 32)))
     assert len(made.bodies) == 1024

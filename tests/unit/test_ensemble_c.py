@@ -170,7 +170,7 @@ def test_sanitizers_find_nothing_and_lanes_give_the_bits_of_one(
     ("flags", "width"), [((), 2), (("-mavx",), 4), (("-mavx2", "-mfma"), 4), (("-DLAMC_ONE_LANE",), 1)]
 )
 @pytest.mark.parametrize("name", ["tree", "two_loops"])
-@pytest.mark.quick("tree-flags3-1", "two_loops-flags1-4")
+@pytest.mark.quick("two_loops-flags1-4")
 def test_other_machines_have_other_lanes_and_the_same_bits(
     flags: tuple[str, ...], width: int, name: str, tmp_path: Path
 ) -> None:
@@ -183,6 +183,7 @@ def test_other_machines_have_other_lanes_and_the_same_bits(
     assert printed(tree, tmp_path, (*STRICT, "-O2", "-ffp-contract=off"), flags) == [str(width), "13", "1"]
 
 
+@pytest.mark.slow
 @needs_cc
 def test_long_equations_have_lanes_too(tmp_path: Path) -> None:
     """Thirty hinges are more statements than a block: kernels and tables of indices."""

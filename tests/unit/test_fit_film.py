@@ -77,6 +77,7 @@ def test_an_angle_that_is_off_is_told_as_it_is(run: lamc.Result, fit: lamc.Fit) 
     assert np.abs(np.delete(apart, GAP)).max() < 0.01
 
 
+@pytest.mark.slow
 def test_a_film_has_its_frames_and_a_legend(fit: lamc.Fit, tmp_path: Path) -> None:
     seen: list[tuple[int, int]] = []
     path = fit.animate(tmp_path / "film.gif", progress=lambda k, n: seen.append((k, n)), size=200)

@@ -245,6 +245,7 @@ def test_five_thousand_lines_are_healed_in_a_second_or_so() -> None:
     assert (len(graph.points), len(graph.edges)) == (51 * 51, 2 * 50 * 51)
 
 
+@pytest.mark.slow
 def test_more_lines_than_are_read_are_refused() -> None:
     many = Stroke(np.random.default_rng(0).uniform(size=(100_001, 2)), False, "hinge")
     with pytest.raises(lamc.DesignError, match="more than 100000 lines"):

@@ -138,6 +138,7 @@ def test_what_is_not_one_yaml_document_is_one_line(text: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_reading_reports_progress_up_to_the_whole() -> None:
     reported: list[float] = []
     compose("[" + "1, " * 50_000 + "1]", progress=lambda _stage, part: reported.append(part))

@@ -82,6 +82,7 @@ def test_exports_refuse_such_a_base_in_the_words_of_a_run(to: str) -> None:
     assert "scene.yaml:2" in str(of_an_export.value)
 
 
+@pytest.mark.slow
 @needs_cc
 def test_exports_say_until_when_a_base_is_known_to_move_smoothly() -> None:
     ramp = lamc.BaseMotion(displacement=("0.5*min(t, 0.05)", 0, 0))

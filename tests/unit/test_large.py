@@ -95,6 +95,7 @@ def test_the_option_says_that_it_is_meant(
     assert "not counted" not in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @needs_cc
 def test_a_large_model_is_compiled_with_less_and_keeps_its_bits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

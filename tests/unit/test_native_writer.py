@@ -54,6 +54,7 @@ def loaded(name: str) -> Design | lamc.Mechanism:
 
 
 @pytest.mark.parametrize("name", designs())
+@pytest.mark.quick("pendulum", "four_bar", "folding_box", "yoshimura", "crawler")
 def test_every_example_reads_back_equal(name: str) -> None:
     design = loaded(name)
     assert isinstance(design, Design)

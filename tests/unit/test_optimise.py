@@ -86,6 +86,7 @@ METHODS = ["auto", "slsqp", "trust-constr", "nelder-mead", "evolution"]
 
 
 @pytest.mark.parametrize("method", METHODS)
+@pytest.mark.quick("auto", "slsqp", "nelder-mead", "trust-constr")
 def test_spring_at_an_active_constraint(method: str) -> None:
     """The quarter period π/2 √(I/k) falls with k, the largest rate θ √(k/I) rises: at its bound ω, k is I (ω/θ)², and
     the quarter period, π θ / (2 ω), falls by π θ / (2 ω²) for each unit that the bound gives way."""
@@ -222,6 +223,7 @@ def path_error(result: Result) -> np.ndarray[Any, Any]:
     return there - coupler(angle, 0.1, 0.25)
 
 
+@pytest.mark.slow
 def test_four_bar_finds_the_lengths_of_a_published_straight_line() -> None:
     """Hoeken's linkage (Norton, Design of Machinery, table 3-1: ground 2, coupler and rocker 2.5 times the crank): from
     its coupler's path lengths of crank and coupler come out."""
@@ -333,6 +335,7 @@ def test_the_best_can_be_run_and_made_again() -> None:
     assert best.result.success
 
 
+@pytest.mark.slow
 def test_a_kink_of_two_parameters_is_not_called_an_optimum() -> None:
     """The larger of two slopes: in a crease of the value no look along each parameter tells its floor."""
     quarter = "(time_of(h < 0) / 0.1 s)"

@@ -55,6 +55,7 @@ def test_slopes_are_those_of_differences(few_are_many: None, monkeypatch: pytest
         assert np.abs(found - expected).max() <= 1e-6 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_many_numbers_are_walked_by_few_runs() -> None:
     """To where the same method leads by differences of runs, of which it takes hundreds."""
     design = lamc.load(path("flaps"))

@@ -63,6 +63,7 @@ def test_a_front_does_not_depend_on_it() -> None:
     assert [t.point for t in one.problem.trials] == [t.point for t in two.problem.trials]
 
 
+@pytest.mark.slow
 def test_starts_are_gone_through_side_by_side_and_few_runs_are_left_to_this_process(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -86,6 +87,7 @@ def test_starts_are_gone_through_side_by_side_and_few_runs_are_left_to_this_proc
     assert len(here) < 0.3 * len(stages)  # the start, and what nothing can be asked ahead of
 
 
+@pytest.mark.slow
 def test_a_folder_goes_on_with_other_workers(tmp_path) -> None:  # type: ignore[no-untyped-def]
     whole = search("evolution", most=150)
     short = search("evolution", most=60)

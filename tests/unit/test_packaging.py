@@ -57,6 +57,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made
 
 
+@pytest.mark.slow
 def test_the_wheel_holds_templates_runtime_and_examples(wheel: Path) -> None:
     names = set(zipfile.ZipFile(wheel).namelist())
     for folder, target in (("templates", "lamc/_data/templates"), ("runtime_c", "lamc/_data/runtime_c")):
@@ -104,6 +105,7 @@ def test_the_wheel_compiles_and_runs_a_design_outside_the_checkout(
     assert done.stdout.strip().endswith("true]")
 
 
+@pytest.mark.slow
 def test_tests_import_only_what_their_extra_installs() -> None:
     project = tomllib.loads((CHECKOUT / "pyproject.toml").read_text())["project"]
     asked = [*project["dependencies"], *project["optional-dependencies"]["test"]]

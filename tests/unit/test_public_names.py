@@ -82,6 +82,7 @@ def test_no_name_means_two_things() -> None:
     assert not {name.lower() for name in lamc.__all__} & {"plate", "plates"}
 
 
+@pytest.mark.slow
 def test_lamc_itself_uses_no_old_name() -> None:
     run = [sys.executable, "-W", "error::DeprecationWarning:lamc", "-c", "import lamc, lamc.cli, lamc.plate"]
     assert subprocess.run(run, capture_output=True).returncode == 0

@@ -217,6 +217,7 @@ def test_what_a_run_that_still_goes_on_writes_is_left_alone(tmp_path: Path) -> N
     assert whole(folder) == "newest"
 
 
+@pytest.mark.slow
 @posix_only
 @pytest.mark.usefixtures("unpainted")
 def test_lamc_run_killed_while_it_writes_leaves_the_earlier_run(

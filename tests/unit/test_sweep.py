@@ -64,6 +64,7 @@ def test_the_table_does_not_depend_on_processes(tmp_path):
     assert b",nan,nan,-1,refused" in one
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_costs_one_point():
     table = study({"hip.stiffness": [1.0, 2.0, 3.0, 4.0]}, {"end": studied.deadly}).run(None, 2, alone=0.0)
     assert [table.status(k) for k in range(4)] == ["ok", "died", "ok", "ok"]

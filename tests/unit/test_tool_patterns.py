@@ -33,6 +33,7 @@ def test_a_pattern_has_the_facets_and_creases_that_are_drawn(name: str, tmp_path
 
 @needs_cc
 @pytest.mark.parametrize("name", ["own corners", "folded mesh", "simulator"])
+@pytest.mark.quick("own corners", "folded mesh")
 def test_such_a_pattern_runs(name: str, tmp_path: Path) -> None:
     sheet, _ = loaded(tmp_path, FILES[name][0]())
     result = lamc.compile(sheet).run(1e-3, rtol=1e-6, max_steps=3000)

@@ -121,22 +121,28 @@ def _one_of_many(
     assert local is not None
     asked = [] if led is None else [led, *(led * (1.0 + ABOUT * local.random[:CORNERS]))]
     usual_freedoms = basis.shape[0] - (rank or 0)
-    best: Branch | None = None
+    corners: list[tuple[int, Array]] = []
     for wanted in [*asked, *local.random]:
         rates = local.nearest(basis, wanted)
         if rates is None:
             continue
         freedoms = local.freedoms(basis, rates, EXACTLY.family)
-        if best is not None and freedoms >= best.freedoms:
-            continue
         rates = _normalised(rates, geometry.order, EXACTLY.same)
-        place = moved_out(geometry, angles, rates)
-        # Sheets have families of lower rank beside, such as folds along straight lines all across.
-        if place is not None and (rank is None or geometry.linear(place).rank() == rank):
-            best = _branch(geometry, rates, freedoms)
-            if rank is None or freedoms <= usual_freedoms:
-                break
-    return () if best is None else (best,)
+        if rank is not None and freedoms > usual_freedoms:
+            corners.append((freedoms, rates))
+        elif _goes_on(geometry, angles, rates, rank):
+            return (_branch(geometry, rates, freedoms),)
+    for freedoms, rates in sorted(corners, key=lambda corner: corner[0]):
+        if _goes_on(geometry, angles, rates, rank):
+            return (_branch(geometry, rates, freedoms),)
+    return ()
+
+
+def _goes_on(geometry: LoopGeometry, angles: Array, rates: Array, rank: int | None) -> bool:
+    """Whether closed positions lie along rates (n,), on the family whose closure has a rank; None: on any. Sheets have
+    families of lower rank beside, such as folds along straight lines all across."""
+    place = moved_out(geometry, angles, rates)
+    return place is not None and (rank is None or geometry.linear(place).rank() == rank)
 
 
 def _branch(geometry: LoopGeometry, rates: Array, freedoms: int) -> Branch:

@@ -20,7 +20,7 @@ def default_rows(t_end: float, size: int) -> int:
 # hinge of a tree takes 40. `python -m benchmarks.large_drawings` has what comes of it.
 _OF_LOOPS, _OF_TREES, _SQUARED = 150, 40, 50
 _EVALUATIONS = 12  # of a step
-_MOST_WORK = 2_000_000_000  # of a run: 4 s, so that all of `lamc run` takes less than 20
+_MOST_WORK = 1_200_000_000  # of a run: 2.4 s, so that all of `lamc run` takes some 20 at most
 
 
 def default_steps(hinges: int, freedoms: int, *, has_loops: bool) -> int:

@@ -20,11 +20,13 @@ def default_rows(t_end: float, size: int) -> int:
 # hinge of a tree takes 40. `python -m benchmarks.large_drawings` has what comes of it.
 _OF_LOOPS, _OF_TREES, _SQUARED = 150, 40, 50
 _EVALUATIONS = 12  # of a step
-_MOST_WORK = 1_200_000_000  # of a run: 2.4 s, so that all of `lamc run` takes some 20 at most
+_MOST_WORK = 2_000_000_000  # of a run: 4 s, so that all of `lamc run` takes some 20 at most
+_SHARE_OF_LOOPS = 0.6  # of it, as their equations take longer than those of trees
 
 
 def default_steps(hinges: int, freedoms: int, *, has_loops: bool) -> int:
     """Steps that a run tries where nobody says how long it is, nor how many: those of small mechanisms have no part
     in it. Counted, not timed, so that a run ends alike on every machine."""
     each = _OF_LOOPS + freedoms * min(freedoms, _SQUARED) if has_loops else _OF_TREES
-    return min(MAX_STEPS, max(1, _MOST_WORK // (_EVALUATIONS * max(1, hinges) * each)))
+    most = int(_MOST_WORK * _SHARE_OF_LOOPS) if has_loops else _MOST_WORK
+    return min(MAX_STEPS, max(1, most // (_EVALUATIONS * max(1, hinges) * each)))

@@ -86,6 +86,7 @@ class Cache:
         Raises BuildError if the cache cannot be written. Whatever `fill` raises passes, and leaves nothing behind.
         """
         self._prepare()
+        self._sweep()
         try:
             fresh = Path(tempfile.mkdtemp(prefix=".new-", dir=self.root))
         except OSError as error:
@@ -158,12 +159,13 @@ class Cache:
         except OSError as error:
             raise self._unwritable(error) from error
         self.check_owner(self.root)
-        self._sweep()
 
     def _sweep(self) -> None:
         """Removes what processes left that were killed on the way."""
         latest = time.time() - STALE
-        for path in sorted([*self.root.glob(".new-*"), *self.root.glob(".old-*")]):
+        with os.scandir(self.root) as entries:
+            left = [Path(entry.path) for entry in entries if entry.name.startswith((".new-", ".old-"))]
+        for path in left:
             with contextlib.suppress(OSError):
                 if path.lstat().st_mtime < latest:
                     shutil.rmtree(path) if path.is_dir() else path.unlink()

@@ -159,15 +159,42 @@ def test_lines_that_all_but_meet_in_one_place_leave_no_slivers() -> None:
     ]
     made, told = read(*star(0.005))
     assert (len(made.bodies), len(made.joints)) == (8, 8)
-    assert [note.endswith("healed within 3 times the usual") for note in told if "narrower" in note] == [True]
+    assert [note.endswith("healed within 3 times the usual") for note in told if "part off" in note] == [True]
     # what a tolerance that is given leaves is told with its place
     made, told = read(*star(0.016), heal=0.0)
     assert len(made.bodies) > 8
-    assert any("narrower than 0.05 mm, the first at (" in note for note in told)
+    assert any("narrower than 0.05 mm" in note and "mm, the first at (" in note for note in told)
     # nothing is healed farther for lines that part facets as wide as these
     made, told = read(*star(2.0))
     assert len(made.bodies) > 8
     assert not any("narrower" in note for note in told)
+
+
+@pytest.mark.parametrize(
+    "data", [corpus.miura(4, 3), corpus.waterbomb(), corpus.yoshimura(3, 4), corpus.box_net("mm")]
+)
+@pytest.mark.parametrize("off", [6e-4, 1.4e-3])
+def test_a_sheet_drawn_by_eye_is_the_sheet_that_was_meant(data: Any, off: float) -> None:
+    """Each end lies aside by up to `off` of the sheet's size, some pixels of a screen: no two lines meet."""
+    meant, _ = read(*of_fold(data), facets="rigid")
+    random = np.random.default_rng(20260108)
+    strokes = of_fold(data)
+    size = max(np.ptp(np.concatenate([stroke.points for stroke in strokes]), axis=0))
+    moved = [
+        replace(s, points=s.points + off * size * random.uniform(-0.7, 0.7, s.points.shape)) for s in strokes
+    ]
+    made, told = read(*moved, facets="rigid")
+    assert (len(made.bodies), len(made.joints)) == (len(meant.bodies), len(meant.joints))
+    assert sum(b.mass for b in made.bodies) == pytest.approx(sum(b.mass for b in meant.bodies), rel=4.0 * off)
+    assert any("end points joined" in note for note in told)
+
+
+def test_lines_farther_apart_than_any_tolerance_are_told_with_what_was_healed() -> None:
+    short = line((20, 0.3), (20, 40), source="path #fold")
+    with pytest.raises(
+        DesignError, match=r"healed within 0\.12 mm, lines still stop short of one another: path"
+    ):
+        read(square(0, 0, 40), short)
 
 
 def test_a_crease_that_dangles_is_left_out_and_told() -> None:

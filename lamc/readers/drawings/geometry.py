@@ -87,9 +87,11 @@ def drawn(courses: Iterable[tuple[int, Array, bool]]) -> tuple[Array, Segments, 
 
 
 def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[int, int], bool]) -> Indices:
-    """For each point the one that it becomes: the heaviest within reach, else itself. points: (n, 2).
+    """For each point the one that it becomes: the heaviest within reach, of those the one with most about it, else
+    itself. points: (n, 2).
 
-    No chains: none moves by more than `near`.
+    No chains: none moves by more than `near`, so that a heap of ends up to twice as wide becomes one point if one of
+    them lies amid it.
     """
     kept = np.arange(len(points))
     dots = shapely.points(points)
@@ -98,7 +100,7 @@ def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[in
     beside: dict[int, list[int]] = {}
     for p, q in zip(first[apart].tolist(), second[apart].tolist(), strict=True):
         beside.setdefault(p, []).append(q)
-    order = sorted(beside, key=lambda p: (-weight[p], points[p, 0], points[p, 1]))
+    order = sorted(beside, key=lambda p: (-weight[p], -len(beside[p]), points[p, 0], points[p, 1]))
     settled: set[int] = set()
     for p in order:
         if p in settled:

@@ -107,8 +107,8 @@ def _told(
     creases = any(strokes[gap.stroke].role in CREASES for gap in gaps)
     leave = f"; with {option} 0, creases that end so are left out" if creases else ""
     return (
-        f"lines stop short of one another by more than the {1e3 * tolerance:.3g} mm that are healed: "
-        f"{'; '.join(shown)}{others}. Draw them to meet, or heal more: {option} '{_enough(gaps[-1].apart)} mm'{leave}"
+        f"healed within {1e3 * tolerance:.3g} mm, lines still stop short of one another: {'; '.join(shown)}{others}. "
+        f"Draw them to meet, or heal more: {option} '{_enough(gaps[-1].apart)} mm'{leave}"
     )
 
 

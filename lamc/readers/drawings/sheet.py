@@ -4,6 +4,7 @@ In: a `Drawing`, and what a user says of the sheet. Out: a `Mechanism` with its 
 Never: changes a line without a mend.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -44,9 +45,10 @@ WIDER = (
     1.0,
     3.0,
     10.0,
-)  # times the usual tolerance: drawings of few digits; the last is a thousandth of the size
-# Of the size: facets narrower than that, on average, are where lines should have met in one place, a pixel or so beside
-# another: of a sheet of 100 mm they would be 0.05 mm wide, less than any card is thick.
+    30.0,
+)  # times the usual tolerance: drawings of few digits, or by eye; the last is 3 thousandths of the size
+# Of the size: facets narrower than that, on average, and edges that are shorter, are where lines should have met in one
+# place, a pixel or so beside another: of a sheet of 100 mm 0.05 mm, less than any card is thick.
 NARROW = 5e-4
 
 
@@ -71,10 +73,10 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
         raise DesignError(
             "the drawing has no line that is for anything; say what lines are for (--role red=cut)"
         )
-    found, told_narrow = _found(strokes, options.heal)
+    found, told_slivers = _found(strokes, options.heal)
     graph, kept, loose, tolerance = found.graph, found.kept, found.loose, found.tolerance
     points, edges, origin, faces = found.points, found.edges, found.origin, found.faces
-    notes = [*drawing.notes, *found.notes, *told_narrow]
+    notes = [*drawing.notes, *found.notes, *told_slivers]
     sides = {side for face in faces for side in zip(face, (*face[1:], face[0]), strict=True)}
     used = [k for k, (a, b) in enumerate(edges) if (a, b) in sides or (b, a) in sides]
     owners = [None if (of := origin[k]) is None else graph.strokes[kept[of]] for k in range(len(edges))]
@@ -115,16 +117,24 @@ class _Found:
     faces: Sequence[tuple[int, ...]]
     notes: list[str]
 
-    def narrow(self, width: float) -> list[Array]:
-        """A place in each facet that is narrower, on average, than `width`, m."""
+    def slivers(self, width: float) -> list[tuple[str, Array]]:
+        """What lines leave that were to meet in one place, with a place, m: facets that are narrower, on average, than
+        `width`, and edges that are shorter, between vertices where three lines or more meet."""
         shapes = [shapely.Polygon(self.points[list(face)]) for face in self.faces]
         slim = [shape for shape in shapes if 2.0 * shape.area < width * shape.length]
-        return [shapely.get_coordinates(shape.representative_point())[0] for shape in slim]
+        ends = np.array(self.edges).reshape(-1, 2)
+        degree = np.bincount(ends.ravel(), minlength=len(self.points))
+        short = np.linalg.norm(self.points[ends[:, 1]] - self.points[ends[:, 0]], axis=1) < width
+        between = ends[short & (degree[ends].min(axis=1) > 2)]
+        return [
+            *(("facet", shapely.get_coordinates(shape.representative_point())[0]) for shape in slim),
+            *(("edge", place) for place in self.points[between].mean(axis=1)),
+        ]
 
 
 def _found(strokes: Sequence[Stroke], asked: float | None) -> tuple[_Found, list[str]]:
     """Facets with the tolerance that is asked for; else with the least of the usual ones with which no line stops short
-    of another, or with the next that leaves no facet as narrow as lines that were to meet in one place make."""
+    of another, or with the next that leaves no sliver as lines make that were to meet in one place."""
     size = size_of(strokes)
     if asked is not None and asked > MOST * size:
         raise DesignError(
@@ -139,27 +149,36 @@ def _found(strokes: Sequence[Stroke], asked: float | None) -> tuple[_Found, list
             if k == len(usual) - 1:
                 raise error.why from error
             continue
-        narrow = found.narrow(NARROW * size)
-        if not narrow:
+        slivers = found.slivers(NARROW * size)
+        if not slivers:
             return found, []
-        told_narrow = (
-            f"{len(narrow)} facet{'s' if len(narrow) > 1 else ''} narrower than {1e3 * NARROW * size:.3g} mm"
-        )
+        told_slivers = _counted(slivers, NARROW * size)
         for factor, wide in zip(WIDER[k + 1 :], usual[k + 1 :], strict=False):
             try:
                 wider = _within(strokes, wide)
             except (_StopsShortError, DesignError):
                 continue
-            if not wider.narrow(NARROW * size):
+            if not wider.slivers(NARROW * size):
                 return wider, [
-                    f"lines that all but meet part off {told_narrow}: healed within {factor:g} times the usual"
+                    f"lines that all but meet part off {told_slivers}: healed within {factor:g} times the usual"
                 ]
-        x, y = 1e3 * narrow[0]
+        x, y = 1e3 * slivers[0][1]
         return found, [
-            f"{told_narrow}, the first at ({x:.6g}, {y:.6g}) mm: such facets make runs slow, and may stop them; "
+            f"{told_slivers}, the first at ({x:.6g}, {y:.6g}) mm: they make runs slow, and may stop them; "
             "--heal with a wider tolerance joins lines that were to meet there"
         ]
     raise AssertionError("the last tolerance returns or raises")
+
+
+def _counted(slivers: Sequence[tuple[str, Array]], width: float) -> str:
+    """How many there are, and than what they are narrower or shorter, m."""
+    counts = Counter(what for what, _ in slivers)
+    told = [
+        f"{counts[what]} {what}{'s' if counts[what] > 1 else ''} {smaller} than {1e3 * width:.3g} mm"
+        for what, smaller in (("facet", "narrower"), ("edge", "shorter"))
+        if counts[what]
+    ]
+    return " and ".join(told)
 
 
 class _StopsShortError(Exception):

@@ -118,8 +118,7 @@ def test_motion_differs_from_that_of_doubles_by_round_off(name: str, pairs: Any)
 
 
 @pytest.mark.parametrize("name", ["four_bar", "six_bar", "bricard", "waterbomb"])
-@pytest.mark.slow
-@pytest.mark.ci("bricard", "waterbomb")
+@pytest.mark.campaign
 def test_loops_stay_closed_over_a_hundred_thousand_steps(name: str, pairs: Any) -> None:
     pair = pairs(name)
     model, it = pair.single, pair.single.instance()

@@ -150,8 +150,7 @@ def sources(tmp_path_factory: pytest.TempPathFactory):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-@pytest.mark.slow
-@pytest.mark.ci("3")
+@pytest.mark.campaign
 def test_a_thousand_instances_under_sanitizers(sources, fmi, tmp_path):
     folder = sources("five_bar", fmi)
     (tmp_path / "driver.c").write_text(DRIVER_2 if fmi == 2 else DRIVER_3)

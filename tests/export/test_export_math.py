@@ -94,8 +94,7 @@ def test_trees_of_hinges_have_the_bits_of_those_with_a_library_where_the_first_s
 
 
 @pytest.mark.parametrize("name", ["pendulum", pytest.param("crawler", marks=pytest.mark.slow)])
-@pytest.mark.slow
-@pytest.mark.ci("pendulum")
+@pytest.mark.campaign
 def test_compilers_agree_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """The example of the folder prints all digits. Without contraction nothing is left that compilers may choose."""
     printed = []

@@ -45,6 +45,17 @@ def test_instances_of_a_tree_are_runs_by_themselves(
 
 @pytest.mark.quick("blade_element_drag", "free_base", "ground_contact", "nonlinear_stiffness")
 @pytest.mark.parametrize("name", sorted(SAMPLES))
+@pytest.mark.ci(
+    "blade_element_drag",
+    "free_base",
+    "ground_contact",
+    "nonlinear_stiffness",
+    "base_motion",
+    "flexible_links",
+    "servo",
+    "joint_limits",
+    "twist_compliance",
+)
 def test_instances_with_any_effect_are_runs_by_themselves(name: str) -> None:
     effects = (SAMPLES[name],) if name == "gravity" else (SAMPLES["gravity"], SAMPLES[name])
     sim = lamc.compile(two_links(), lamc.Scene(effects=effects, angles={"h2": 0.4}, rates={"h1": 1.0}))

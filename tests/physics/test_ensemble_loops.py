@@ -43,6 +43,7 @@ def example(name: str) -> Simulator:
 @pytest.mark.quick("dop853-two_loops", "auto-four_bar")
 @pytest.mark.parametrize("name", SMALL)
 @pytest.mark.parametrize("integrator", ["rk45", "dop853", "auto"])
+@pytest.mark.ci("dop853-*", "auto-*", "rk45-bricard", "rk45-four_bar")
 def test_instances_of_an_example_are_runs_by_themselves(name: str, integrator: str) -> None:
     sim = example(name)
     parameters = spread(sim, 11, 3)

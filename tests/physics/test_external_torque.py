@@ -99,6 +99,7 @@ def accelerations(made: Mechanism, effects: tuple[Effect, ...], scene: Scene) ->
 @pytest.mark.quick(
     "five_bar", "flaps", "four_bar", "limit_stop", "pendulum", "shutter", "stiff_triple", "vertex"
 )
+@pytest.mark.ci("[!68]*")
 def test_with_zero_torques_every_example_moves_as_without_them_to_the_last_bit(path: Path) -> None:
     made = load(path)
     for scene in (made.scene or Scene(), *made.scenes.values()):

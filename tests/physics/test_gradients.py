@@ -192,6 +192,17 @@ def test_a_servo_that_samples(integrator: str) -> None:
 
 @pytest.mark.parametrize("name", sorted(SAMPLES))
 @pytest.mark.quick("joint_limits", "servo")
+@pytest.mark.ci(
+    "base_motion",
+    "blade_element_drag",
+    "flexible_links",
+    "free_base",
+    "ground_contact",
+    "joint_limits",
+    "servo",
+    "spring",
+    "twist_compliance",
+)
 def test_every_effect(name: str) -> None:
     """Radau's collocation is stepped alike by both, whatever the stiffness; see stops for events."""
     effects = tuple({"gravity": SAMPLES["gravity"], name: SAMPLES[name]}.values())

@@ -380,7 +380,7 @@ DEVICES: dict[str, Callable[[], lamc.Design | Mechanism]] = {
     "samples-*-",
     "impacts-dop853-",
     "a series-dop853- -DLAMC_ONE_LANE",
-    "a [bt]*-*5- -mavx",
+    "a table-radau5- -mavx",
 )
 @pytest.mark.parametrize("flags", ["", " -mavx", " -DLAMC_ONE_LANE"])
 @pytest.mark.parametrize("integrator", ["dop853", "radau5"])

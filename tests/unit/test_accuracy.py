@@ -67,7 +67,7 @@ def caution(sim: Simulator, result: Result, wanted: float) -> float:
 @pytest.mark.parametrize("name", examples.names())
 @pytest.mark.quick("five_bar", "flaps", "four_bar", "limit_stop", "pendulum", "pendulum.cad", "vertex")
 @pytest.mark.ci(
-    "[!cfrw]*", "five_bar", "flaps", "four_bar", "waterbomb"
+    "[!cfrwy]*", "five_bar", "flaps", "four_bar", "waterbomb"
 )  # up to a minute for others' references
 def test_errors_of_the_gallery_are_what_is_estimated(name: str) -> None:
     sim = simulator(name)

@@ -220,7 +220,7 @@ def mutant(text: str, dice: random.Random) -> str:
     return "\n".join(lines)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_mutated_examples_overlay_no_more_than_the_limits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -64,6 +64,7 @@ with open("codes.json", "w") as file:
 @posix_only
 @pytest.mark.slow
 @pytest.mark.parametrize("commands", [COMMANDS, SLOW])
+@pytest.mark.ci("commands0")
 def test_every_command_works_with_stderr_closed(
     commands: Commands, tmp_path: Path, cache_of_the_session: Path
 ) -> None:

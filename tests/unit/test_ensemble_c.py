@@ -155,6 +155,16 @@ def printed(tree: SourceTree, folder: Path, flags: Sequence[str], machine: Seque
     "name", ["tree", "ground_contact", "nonlinear_stiffness", "free_base", "joint_limits", "series", *LOOPS]
 )
 @pytest.mark.parametrize("method", ["DOP853", "RK45"])
+@pytest.mark.ci(
+    "DOP853-tree",
+    "DOP853-waterbomb",
+    "DOP853-n_four_bar",
+    "DOP853-ground_contact",
+    "RK45-two_loops",
+    "RK45-free_base",
+    "RK45-series",
+    "RK45-joint_limits",
+)
 def test_sanitizers_find_nothing_and_lanes_give_the_bits_of_one(
     name: str, method: str, tmp_path: Path
 ) -> None:
@@ -171,6 +181,7 @@ def test_sanitizers_find_nothing_and_lanes_give_the_bits_of_one(
 )
 @pytest.mark.parametrize("name", ["tree", "two_loops"])
 @pytest.mark.quick("two_loops-flags1-4")
+@pytest.mark.ci("two_loops-*", "tree-flags1-4")
 def test_other_machines_have_other_lanes_and_the_same_bits(
     flags: tuple[str, ...], width: int, name: str, tmp_path: Path
 ) -> None:

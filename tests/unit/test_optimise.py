@@ -377,7 +377,7 @@ def test_a_least_value_beside_points_without_a_number() -> None:
 
 
 @pytest.mark.parametrize("method", ["cma-es"])
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_cma_es_finds_the_spring(method: str) -> None:
     pytest.importorskip("cma")
     best = lamc.optimise(

@@ -45,7 +45,7 @@ def runs(of: Search, workers: int) -> list[tuple[object, ...]]:
 
 @pytest.mark.parametrize("method", ["least-squares", "slsqp", "nelder-mead", "evolution", "cma-es"])
 @pytest.mark.slow
-@pytest.mark.ci("least-squares", "nelder-mead", "evolution")  # each start by itself; generations
+@pytest.mark.ci("nelder-mead", "evolution")
 def test_runs_do_not_depend_on_how_many_processes_made_them(method: str) -> None:
     if method == "cma-es":
         pytest.importorskip("cma")

@@ -62,7 +62,7 @@ def with_a_hole(columns: int, rows: int, at: tuple[int, int]) -> str:
     return text.replace("layers: film}\n", "layers: film}\n" + cut, 1)
 
 
-@pytest.mark.parametrize("size", [8, pytest.param(32, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("size", [8, pytest.param(32, marks=pytest.mark.campaign)])
 def test_a_sheet_has_a_body_a_facet_and_a_cycle_a_vertex(size: int) -> None:
     """32 x 32 facets: the strips of 1984 hinges meet 5766 times, which used to be refused."""
     mechanism = made(miura(size, size))

@@ -67,7 +67,7 @@ def test_models_by_zig_are_those_of_the_systems_compiler(name: str, only_zig: Pa
 
 
 @needs_zig
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_plates_by_zig_have_elements_plies_and_a_mesher(only_zig: Path) -> None:
     module = element_module(DKT)
     assert "ziglang" in module.compiler

@@ -17,7 +17,8 @@ from lamc.fitting.begins import angle_and_rate
 from lamc.fitting.sight import Sight, sight_of
 from lamc.fitting.signals import signal_of
 from lamc.fitting.unknowns import Unknown, free_of, is_range, unknown
-from lamc.records.recording import Free, Recording
+from lamc.records.mechanism import FAR
+from lamc.records.recording import Free, Marker, Recording
 from lamc.records.series import Series
 from lamc.run.following import with_series
 from lamc.run.parameters import checked_parameters
@@ -162,9 +163,18 @@ def _check_series(recording: Recording, simulator: Simulator, end: float) -> Non
 
 
 def check_columns(simulator: Simulator, sight: Sight) -> None:
-    """Raises RequestError for columns that are nothing of the model."""
+    """Raises RequestError for columns that are nothing of the model, and for markers that are on none of it."""
     for each in sight.signals:
         signal_of(simulator, each, sight.recording.markers, sight.name)
+    for name, given in sight.recording.markers.items():
+        marker = Marker.of(given, name)
+        if marker.body in simulator.bodies and simulator.mechanism.apart(marker.body, marker.point) > FAR:
+            away = math.dist(marker.point, simulator.mechanism.body(marker.body).com)
+            raise RequestError(
+                f"marker {name!r} of {sight.name} sits {away:.3g} m from the middle of {marker.body!r}, and the whole "
+                f"device is {simulator.mechanism.size:.3g} m wide; are these mm? numbers without a unit are metres: "
+                f"{marker.body}@(30mm, 0, 0)"
+            )
 
 
 def _check_clock(recording: Recording, t: Array, latest: float, rows: Rows) -> None:

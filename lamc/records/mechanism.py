@@ -40,6 +40,10 @@ Named = TypeVar("Named", "Body", "Joint")
 FREE_LIMITS = (-math.pi, math.pi)
 
 
+# Sizes of a mechanism by which no point of a body lies aside: mm that are taken for m are 1000 times too large
+FAR = 100.0
+
+
 @dataclass(frozen=True)
 class Slab:
     """One flat piece of a body: a polygon (m, world x and y) between two heights (m)."""
@@ -266,6 +270,10 @@ class Mechanism(Viewable, Varied):
         points = np.array([*(b.com for b in self.bodies if not b.fixed), *(j.point for j in self.joints)])
         diagonal = float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
         return diagonal or 1.0
+
+    def apart(self, body: str, point: Sequence[float]) -> float:
+        """How many times its size a point (3,), m, lies from a body's centre of mass, as drawn."""
+        return math.dist(point, self.body(body).com) / self.size
 
     def draw(
         self,

@@ -9,7 +9,8 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 
 from lamc.basics.checks import did_you_mean
-from lamc.basics.errors import DesignError, about
+from lamc.basics.errors import DesignError, about, warn
+from lamc.records.mechanism import FAR
 from lamc.records.scene import OutputPoint, Scene
 from lamc.run.request import Array
 from lamc.run.result import Result
@@ -28,15 +29,19 @@ class Output:
 
 
 def check_outputs(
-    scene: Scene, coordinates: Sequence[str], bodies: Sequence[str], bending: Callable[[], Collection[str]]
+    scene: Scene,
+    coordinates: Sequence[str],
+    bodies: Sequence[str],
+    bending: Callable[[], Collection[str]],
+    apart: Callable[[str, Sequence[float]], float],
 ) -> None:
     """Raises DesignError for an output of the scene that is neither one of the coordinates, among which the joints that
     close loops count here, nor a body's position, nor a point of a rigid body. bending: gives the names of bodies that
-    bend; called only if there are points."""
+    bend; called only if there are points. apart: `Mechanism.apart`; warns of points that lie far aside."""
     for output in scene.outputs or ():
         with about(("outputs", output.name if isinstance(output, OutputPoint) else output)):
             if isinstance(output, OutputPoint):
-                _check_point(output, coordinates, bodies, bending)
+                _check_point(output, coordinates, bodies, bending, apart)
             elif output not in coordinates and _centre(output, bodies) is None:
                 known = [*coordinates, *(f"{body}.{axis}" for body in bodies for axis in _AXES)]
                 raise DesignError(
@@ -50,6 +55,7 @@ def _check_point(
     coordinates: Sequence[str],
     bodies: Sequence[str],
     bending: Callable[[], Collection[str]],
+    apart: Callable[[str, Sequence[float]], float],
 ) -> None:
     what = f"the scene's output point {output.name[:40]!r}"
     if output.body not in bodies:
@@ -63,6 +69,12 @@ def _check_point(
         raise DesignError(
             f"{what} is of body {output.body!r}, which bends, and only rigid bodies carry their points along exactly; "
             f"take {output.body}.x, .y, .z (its frame), or leave the body out of what bends"
+        )
+    sizes = apart(output.body, output.point)
+    if sizes > FAR:
+        warn(
+            f"{what} lies {sizes:.3g} times the device's size from the middle of {output.body!r}; are these mm? "
+            "numbers without a unit are metres: [30 mm, 0, 0]"
         )
 
 

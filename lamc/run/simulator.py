@@ -99,7 +99,7 @@ class Simulator(Running, OperatingPoints, Viewable):
         known = (*self.joints, *(joint.name for joint in mechanism.joints))
         check_names(scene, tuple(dict.fromkeys(known)))
         names = [c.name for c in self.coordinates]
-        check_outputs(scene, names, self.bodies, self._bending)
+        check_outputs(scene, names, self.bodies, self._bending, mechanism.apart)
 
     def __repr__(self) -> str:
         return f"<Simulator of {self._model.name!r}: {len(self.joints)} joints, {len(self.bodies)} bodies>"

@@ -67,6 +67,11 @@ def test_recordings_that_do_not_fit(times: list[float], values: list[float], mes
             "is this mm or pixels",
         ),
         (
+            lamc.Recording(T, {"m.x": ZERO}, markers={"m": "link_1@(3e4,0,0)"}),
+            {"h1.stiffness": None},
+            r"marker 'm' of .* sits 3e\+04 m from the middle of 'link_1', and the whole device is .* are these mm\?",
+        ),
+        (
             lamc.Recording(T, {"m.z": ZERO}, markers={"m": "link_1@(1,0,0)"}, camera=lamc.Camera(("x", "z"))),
             {"h1.stiffness": None},
             "its camera tells x and y only",

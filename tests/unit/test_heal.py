@@ -168,6 +168,13 @@ def test_many_defects_are_mended(pattern: int, found) -> None:
     assert (len(made.bodies), len(made.joints)) == (len(clean.bodies), len(clean.joints))
 
 
+def test_a_crease_in_two_pieces_that_meet_at_an_angle_is_one_hinge() -> None:
+    """By 2e-3 rad, as an end that was off is joined: no vertex at which rigid facets stay flat."""
+    strokes = broken(jittered(PATTERNS[3], 4, 0.5, 1.0), 4, 0.5, 0.0)
+    made = sheet(strokes, replace(OPTIONS, heal=4.0 * HEAL))
+    assert (len(made.bodies), len(made.joints)) == (len(CLEAN[3].bodies), len(CLEAN[3].joints))
+
+
 @settings(max_examples=tries(20), deadline=None)
 @given(order=st.permutations(range(17)), seed=st.integers(0, 100))
 def test_the_order_of_lines_changes_nothing(order, seed: int) -> None:

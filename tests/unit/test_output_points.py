@@ -40,6 +40,14 @@ def test_tip_of_a_rod_is_on_its_circle_where_jacobis_functions_say() -> None:
     np.testing.assert_allclose(tip, here, rtol=0, atol=ROUND_OFF)
 
 
+def test_a_point_far_from_its_body_is_told(recwarn: pytest.WarningsRecorder) -> None:
+    lamc.compile(rod(), with_outputs(FREE, TIP))
+    assert not recwarn.list
+    lamc.compile(rod(), with_outputs(FREE, lamc.OutputPoint("tip", "rod", (0.0, 20.0, -1000.0))))
+    told = [str(each.message) for each in recwarn.list]
+    assert any("'tip' lies" in text and "are these mm?" in text for text in told), told
+
+
 def floating_arm() -> lamc.Mechanism:
     base = lamc.Body("base", 2.0, (0.1, 0.0, 0.0), np.diag([0.1, 0.2, 0.3]), fixed=True)
     arm = lamc.Body("arm", 1.0, (0.6, 0.0, 0.0), np.diag([0.01, 0.1, 0.1]))

@@ -11,7 +11,7 @@ import numpy as np
 
 from lamc.records.scene import Scene
 from lamc.run.accuracy_record import Rung
-from lamc.run.outputs_error import common_rows, output_errors
+from lamc.run.outputs_error import common_rows, compared_outputs, output_errors
 from lamc.run.request import MIN_RTOL, Array, Request, Status
 from lamc.run.result import Result
 
@@ -29,6 +29,8 @@ _TRUSTED = (0.7, 1.25)  # k between these: proportional, but for what the choice
 _MORE = 3  # further runs at most where k is outside, and the error small enough
 _MOST_RUNS = 9
 _PATIENCE = 20  # times the steps of the run before
+# Of what two runs differ by, as k = 0.8 leaves over _LONGEST: a law of near tolerances need not hold over three decades
+_LEAST_PART = 0.004
 _GLANCED = 101  # about so many where a run is compared with a looser one
 
 
@@ -116,7 +118,7 @@ class Ladder:
         asked = replace(at_tolerance(self._request, rtol), max_steps=max_steps)
         if self._runs and rtol > self._runs[-1][0]:  # it is compared, and never the result
             assert asked.t_eval is not None
-            asked = replace(asked, t_eval=_few(asked.t_eval))
+            asked = replace(asked, t_eval=_few(asked.t_eval, self._runs[-1][1], self._scene))
         result, effort = self._run(name, asked)
         self.rungs.append(Rung(result.stats.integrator, rtol, effort))
         return result
@@ -142,7 +144,7 @@ class Ladder:
         tighter = _lower(tightest / STEP)
         if tighter <= self._barred or tightest <= MIN_RTOL:
             return self._looser(self._runs[0][0]) if len(self._runs) < 3 else None
-        if error > self._wanted:
+        if error > SAFETY * self._wanted:  # an estimate may be a few times too small
             factor = max(SAFETY * self._wanted / error, 1.0 / _LONGEST)
             wide = tightest * min(factor, 1.0 / STEP) if k is not None else tightest / _LONGEST
             return max(_lower(wide), 1.0001 * self._barred)
@@ -170,6 +172,7 @@ class Ladder:
             far = _differences(loose, tight, self._scene)
             k = power(a, b, c, max(far.values(), default=0.0), max(near.values(), default=0.0))
         part = 1.0 if k is None else 1.0 / ((b / c) ** min(k, 1.0) - 1.0)  # a larger k is chance
+        part = max(part, _LEAST_PART)
         return {name: part * gap for name, gap in near.items()}, k
 
 
@@ -224,6 +227,18 @@ def bounded(rtol: float) -> float:
     return min(max(rtol, MIN_RTOL), LOOSEST)
 
 
-def _few(times: Array) -> Array:
-    """Some of the times, the last among them: rows of loops are projected, which costs as much as their steps."""
-    return np.union1d(times[:: -(-len(times) // _GLANCED)], times[-1:])
+def _few(times: Array, result: Result, scene: Scene) -> Array:
+    """Some of the times, the last among them: rows of loops are projected, which costs as much as their steps. They lie
+    evenly in time, and along the way of the outputs in `result`: a start that is over in some rows has them all."""
+    if len(result.t) != len(times):
+        return np.union1d(times[:: -(-len(times) // _GLANCED)], times[-1:])
+    way = sum(
+        np.abs(np.diff(each.values)) / (np.ptp(each.values) or 1.0)
+        for each in compared_outputs(result, scene)
+    )
+    shares = [np.arange(len(times)) / max(len(times) - 1, 1), np.concatenate([[0.0], np.cumsum(way)])]
+    chosen = [
+        np.searchsorted(share / (share[-1] or 1.0), np.linspace(0.0, 1.0, _GLANCED // 2 + 1))
+        for share in shares
+    ]
+    return np.union1d(times[np.minimum(np.concatenate(chosen), len(times) - 1)], times[-1:])

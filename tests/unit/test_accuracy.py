@@ -72,9 +72,16 @@ def caution(sim: Simulator, result: Result, wanted: float) -> float:
 def test_errors_of_the_gallery_are_what_is_estimated(name: str) -> None:
     sim = simulator(name)
     cautions = [caution(sim, sim.run(2.0, accuracy=wanted), wanted) for wanted in (1e-2, 1e-3, 1e-6)]
-    # At some tolerance between two others the error changes its sign, and is less than any tolerance says.
+    # At some tolerance between two others the error changes its sign, and is less than any tolerance says. Two runs
+    # bear out the first two accuracies, and tell what the looser is off by, however exact the other happens to be.
     assert sorted(cautions)[-2] <= HONEST
-    assert max(cautions) <= HONEST**2
+    assert cautions[-1] <= HONEST**2
+
+
+def test_a_start_that_is_over_in_some_rows_is_compared_there() -> None:
+    """The box snaps within 0.1 s of 10, and errs most then: a tenth of the rows, evenly, tell a fiftieth of it."""
+    sim = simulator("folding_box")
+    check_honest(sim, sim.run(10.0, accuracy=1e-3), 1e-3)
 
 
 @pytest.mark.campaign

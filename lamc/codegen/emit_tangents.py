@@ -27,7 +27,7 @@ MAX_STATEMENTS = 4000
 
 def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
     """`tree` with the runtime of sensitivities and the table of its derivatives."""
-    rows = _rows(program)
+    rows, factors = _rows(program), _factors(program)
     context = {
         "version": __version__,
         "title": comment(program.name),
@@ -36,7 +36,8 @@ def emit_tangents(program: Program, tree: SourceTree) -> SourceTree:
         "columns": [comment(name) for name in program.columns],
         "present": sorted(program.functions),
         "rows": rows,
-        "factors": _factors(program),
+        "factors": factors,
+        "has_terms": bool(factors) or any(row["states"] or row["columns"] for row in rows),
         "components": sorted({j for row in rows for j, _ in row["states"]}),
         "state_columns": _state_columns(program),
         "side_by_side": _side_by_side(program),

@@ -7,6 +7,7 @@ import pytest
 import lamc
 from lamc.codegen.emit import SourceTree, emit
 from lamc.codegen.emit_tangents import emit_tangents
+from lamc.mechanics import tangents
 from lamc.mechanics.lower import lower
 from lamc.mechanics.tangents import Columns
 from tests.support.ctools import SANITIZED, STRICT, cc, needs_cc, objects_of, output_of
@@ -139,6 +140,22 @@ def test_its_c_has_no_warnings(tmp_path: Path) -> None:
     tree = made(tmp_path, "joint_limits", "AUTO")
     flags = (*STRICT, "-O2", "-ffp-contract=off")
     cc(tmp_path, *flags, "try.c", *objects_of(tree, tmp_path, *flags), "-o", "try", "-lm")
+
+
+@needs_cc
+@pytest.mark.parametrize("flags", ["", "-DLAMC_ONE_LANE"])
+def test_derivatives_by_the_start_only_have_no_warnings_either(
+    flags: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Along directions, by no column: there is nothing to add, neither to rows nor to goals."""
+    monkeypatch.setattr(tangents, "MAX_MATRIX", -1)
+    sim = lamc.compile(lamc.load(Path(lamc.__file__).parent / "examples" / "four_bar.yaml"))
+    program = lower(sim.equations, columns=Columns(()))
+    assert "directional_tangents" in program.functions
+    tree = emit_tangents(program, emit(program))
+    for file, text in tree.files.items():
+        (tmp_path / file).write_text(text)
+    cc(tmp_path, *STRICT, *flags.split(), "-fsyntax-only", f"{tree.prefix}_tangents.c")
 
 
 def test_the_c_of_a_model_is_the_same_beside_it() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from lamc.records.scene import Scene
 from lamc.run.accuracy_record import Rung
-from lamc.run.outputs_error import common_rows, compared_outputs, output_errors
+from lamc.run.outputs_error import common_rows, compared_outputs, output_errors, ranges
 from lamc.run.request import MIN_RTOL, Array, Request, Status
 from lamc.run.result import Result
 
@@ -144,7 +144,8 @@ class Ladder:
         tighter = _lower(tightest / STEP)
         if tighter <= self._barred or tightest <= MIN_RTOL:
             return self._looser(self._runs[0][0]) if len(self._runs) < 3 else None
-        if error > SAFETY * self._wanted:  # an estimate may be a few times too small
+        # By a law an estimate may be a few times too small; without one it is all that two runs differ by.
+        if error > (self._wanted if k is None else SAFETY * self._wanted):
             factor = max(SAFETY * self._wanted / error, 1.0 / _LONGEST)
             wide = tightest * min(factor, 1.0 / STEP) if k is not None else tightest / _LONGEST
             return max(_lower(wide), 1.0001 * self._barred)
@@ -232,10 +233,9 @@ def _few(times: Array, result: Result, scene: Scene) -> Array:
     evenly in time, and along the way of the outputs in `result`: a start that is over in some rows has them all."""
     if len(result.t) != len(times):
         return np.union1d(times[:: -(-len(times) // _GLANCED)], times[-1:])
-    way = sum(
-        np.abs(np.diff(each.values)) / (np.ptp(each.values) or 1.0)
-        for each in compared_outputs(result, scene)
-    )
+    outputs = compared_outputs(result, scene)
+    scale = ranges(outputs, chosen=scene.outputs is not None)  # round-off of what stands still is no way
+    way = sum(np.abs(np.diff(each.values)) / scale[each.name] for each in outputs)
     shares = [np.arange(len(times)) / max(len(times) - 1, 1), np.concatenate([[0.0], np.cumsum(way)])]
     chosen = [
         np.searchsorted(share / (share[-1] or 1.0), np.linspace(0.0, 1.0, _GLANCED // 2 + 1))

@@ -185,6 +185,7 @@ def test_a_sheet_drawn_by_eye_is_the_sheet_that_was_meant(data: Any, off: float)
     ]
     made, told = read(*moved, facets="rigid")
     assert (len(made.bodies), len(made.joints)) == (len(meant.bodies), len(meant.joints))
+    # Each of the four sides of a sheet lies aside by `off` of its size at most.
     assert sum(b.mass for b in made.bodies) == pytest.approx(sum(b.mass for b in meant.bodies), rel=4.0 * off)
     assert any("end points joined" in note for note in told)
 

@@ -9,12 +9,13 @@ from lamc.records.mechanism import Mechanism
 
 # Processor time from the file to results and pictures, from an empty cache, by `python -m benchmarks.large_drawings`
 # (a core that adds 10^7 numbers in Python in 0.9 s; others take 0.6 of it): Yoshimura, Kresling and grid sheets of 736
-# hinges, 16 x 16, 21 to 23 s; a grid of 1160, 20 x 20, 32; a flat Miura sheet of 32 x 32 facets, 1984 and 5766 closing
-# equations, 37. Stages and progress are shown all along, and a run whose length nobody gives ends (run/defaults.py).
+# hinges, 16 x 16, 21 to 23 s; a grid of 1160, 20 x 20, 33; a flat Miura sheet of 32 x 32 facets, 1984 and 5766 closing
+# equations, 39. Stages and progress are shown all along, and a run whose length nobody gives ends (run/defaults.py).
 MOST_HINGES = 3000
 MOST_CLOSING = 6000  # six for each loop
 # Hinges times rates that may be free: a flat start is looked at by as many numbers. A sheet of 31 x 31 squares with
-# diagonals has 2.9 million, which take two minutes to decompose; the Miura sheet has 0.1 million.
+# diagonals has 2.9 million, which take two minutes to decompose; the Miura sheet has 0.1 million, and the grid of 20 x 20 513 000: the largest of
+# its kind that takes 20 s where cores are fast.
 MOST_NUMBERS = 520_000
 
 

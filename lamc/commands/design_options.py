@@ -91,7 +91,7 @@ _sheet = together(
     click.option(
         "--heal",
         metavar="LENGTH",
-        help="Of an SVG or DXF file: how far ends of lines may be off, '50 um'; 0 mends nothing.",
+        help="Of a drawing, or FOLD file without faces: how far ends of lines may be off, '50 um'; 0 mends nothing.",
     ),
     click.option(
         "--facets",

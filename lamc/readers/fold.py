@@ -6,8 +6,9 @@ note. What is assumed is told in one warning for each assumption, and not assume
 
 from pathlib import PurePath
 
-from lamc.basics.errors import LamcError, Place, warn
+from lamc.basics.errors import DesignError, LamcError, Place, warn
 from lamc.readers.fold_file import read_frame
+from lamc.readers.fold_lines import lines_of
 from lamc.readers.fold_sheet import sheet_mechanism
 from lamc.readers.inert import Limits
 from lamc.readers.mechanism_as_such import SheetAsSuch
@@ -20,6 +21,15 @@ def read_fold(text: str, file: str, options: SheetOptions, limits: Limits) -> Me
     """The mechanism in a FOLD text. Raises DesignError with edge, face or vertex for what cannot be."""
     try:
         frame, stem = read_frame(text, file, limits), PurePath(file).stem
+        lines = lines_of(frame, options, stem, file)
+        if lines is not None:
+            from lamc.readers.drawings.sheet import sheet_of  # other files do without healing
+
+            return sheet_of(lines, options)
+        if options.heal is not None:
+            raise DesignError(
+                "heal is for lines; a FOLD file that lists its faces says itself where edges end"
+            )
         made, notes = sheet_mechanism(frame, options, stem)
     except LamcError as error:
         raise (type(error)(error.message, Place(file)) if error.place is None else error) from error

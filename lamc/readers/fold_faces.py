@@ -45,7 +45,7 @@ def faces_of(
 
     Raises DesignError where edges cross, run over one another or over a vertex, and where there is no face.
     """
-    _check_planar(points, edges, number)
+    check_planar(points, edges, number)
     kept = _pruned(edges)
     if len(kept) < len(edges):
         left = ", ".join(str(k) for k in sorted(set(range(len(edges))) - set(kept))[:8])
@@ -113,7 +113,8 @@ def overlap(polygons: Sequence[shapely.Polygon], share: float = SHARE) -> tuple[
     return pairs[0] if pairs else None
 
 
-def _check_planar(points: Array, edges: Sequence[Edge], number: Callable[[int], int]) -> None:
+def check_planar(points: Array, edges: Sequence[Edge], number: Callable[[int], int]) -> None:
+    """Raises DesignError where edges cross, have no length, or run over one another or over a vertex. points: (n, 2)"""
     size = float(np.ptp(points, axis=0).max()) or 1.0
     pairs = np.array(edges)
     for index, (a, b) in enumerate(edges):

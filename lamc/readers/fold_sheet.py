@@ -86,6 +86,12 @@ def unit_of(frame: FoldFrame, options: SheetOptions, notes: list[str]) -> float:
     return USUAL / longest
 
 
+def is_level(frame: FoldFrame) -> bool:
+    """Whether the frame lies in a plane of constant z."""
+    used = frame.vertices[np.unique(np.array(frame.edges))]
+    return float(np.ptp(used[:, 2])) <= _LEVEL * float(np.linalg.norm(np.ptp(used, axis=0)))
+
+
 @dataclass(frozen=True)
 class _Facets:
     """Faces with what is beside them; corners in the plane, m; angles at the start, rad, by joined edge."""
@@ -168,9 +174,8 @@ class _Sheet:
     def facets(self) -> _Facets:
         """Faces, flat or laid flat. Raises DesignError where they cannot be."""
         frame, points = self.frame, self.points
-        used = points[np.unique(np.array(frame.edges))]
         check_count(len(frame.edges), "edges", large=self.options.large)
-        level = float(np.ptp(used[:, 2])) <= _LEVEL * self.size
+        level = is_level(frame)
         if frame.faces is None:
             if not level:
                 raise DesignError("the sheet is folded, in three dimensions, and lists no faces_vertices")

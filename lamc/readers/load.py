@@ -152,10 +152,9 @@ def _read(
         if is_fold(text):
             if materials:
                 raise DesignError("materials are of popupCAD designs; a FOLD file takes card=", Place(file))
-            if drawn := {"roles", "heal"} & set(sheet.given):
+            if sheet.roles is not None:
                 raise DesignError(
-                    f"{max(drawn)} is for drawings; a FOLD file says itself what its edges are and where they end",
-                    Place(file),
+                    "roles is for drawings; a FOLD file says itself what its edges are", Place(file)
                 )
             return read_fold(text, file, sheet, limits)
         if sheet.given:

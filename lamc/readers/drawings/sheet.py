@@ -19,7 +19,7 @@ from lamc.readers.drawings.heal import CREASES, DEFAULT, Graph, healed, size_of
 from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.outlines import hull, material, parting
 from lamc.readers.drawings.telling import full_notes, name_of, told
-from lamc.readers.fold_faces import Edge
+from lamc.readers.fold_faces import Edge, check_count
 from lamc.readers.fold_file import LINK, FoldFrame
 from lamc.readers.fold_sheet import sheet_mechanism
 from lamc.readers.mechanism_as_such import SheetAsSuch
@@ -73,7 +73,7 @@ def _frame(drawing: Drawing, options: SheetOptions) -> tuple[FoldFrame, tuple[Me
         raise DesignError(
             "the drawing has no line that is for anything; say what lines are for (--role red=cut)"
         )
-    found, told_slivers = _found(strokes, options.heal)
+    found, told_slivers = _found(strokes, options.heal, large=options.large)
     graph, kept, loose, tolerance = found.graph, found.kept, found.loose, found.tolerance
     points, edges, origin, faces = found.points, found.edges, found.origin, found.faces
     notes = [*drawing.notes, *found.notes, *told_slivers]
@@ -132,7 +132,7 @@ class _Found:
         ]
 
 
-def _found(strokes: Sequence[Stroke], asked: float | None) -> tuple[_Found, list[str]]:
+def _found(strokes: Sequence[Stroke], asked: float | None, *, large: bool) -> tuple[_Found, list[str]]:
     """Facets with the tolerance that is asked for; else with the least of the usual ones with which no line stops short
     of another, or with the next that leaves no sliver as lines make that were to meet in one place."""
     size = size_of(strokes)
@@ -144,7 +144,7 @@ def _found(strokes: Sequence[Stroke], asked: float | None) -> tuple[_Found, list
     usual = [asked] if asked is not None else [factor * DEFAULT * size for factor in WIDER]
     for k, tolerance in enumerate(usual):
         try:
-            found = _within(strokes, tolerance)
+            found = _within(strokes, tolerance, large=large)
         except _StopsShortError as error:
             if k == len(usual) - 1:
                 raise error.why from error
@@ -155,7 +155,7 @@ def _found(strokes: Sequence[Stroke], asked: float | None) -> tuple[_Found, list
         told_slivers = _counted(slivers, NARROW * size)
         for factor, wide in zip(WIDER[k + 1 :], usual[k + 1 :], strict=False):
             try:
-                wider = _within(strokes, wide)
+                wider = _within(strokes, wide, large=large)
             except (_StopsShortError, DesignError):
                 continue
             if not wider.slivers(NARROW * size):
@@ -189,10 +189,11 @@ class _StopsShortError(Exception):
         self.why = why
 
 
-def _within(strokes: Sequence[Stroke], tolerance: float) -> _Found:
-    """Raises _StopsShortError, and DesignError where lines enclose nothing."""
+def _within(strokes: Sequence[Stroke], tolerance: float, *, large: bool) -> _Found:
+    """Raises _StopsShortError, and DesignError where lines enclose nothing, or so much that it takes minutes."""
     graph = healed(strokes, tolerance)
     kept = parting(graph.points, graph.edges)
+    check_count(len(kept), "edges", large=large)
     try:
         loose = left_out(graph, strokes, kept, tolerance)
     except DesignError as error:

@@ -14,6 +14,7 @@ from shapely.geometry import MultiPolygon
 
 from lamc.basics.errors import DesignError, LamcError, Place, warn
 from lamc.design.shapes import areas
+from lamc.readers.drawings.coarser import coarser, curves_of, is_straight
 from lamc.readers.drawings.faces import faces_within, linked
 from lamc.readers.drawings.heal import CREASES, DEFAULT, Graph, healed, size_of
 from lamc.readers.drawings.loose import left_out
@@ -47,6 +48,18 @@ WIDER = (
     10.0,
     30.0,
 )  # times the usual tolerance: drawings of few digits, or by eye; the last is 3 thousandths of the size
+# Of a sheet of curved creases, of which each makes three hinges: 200 to 700, which take 10 to 30 s until there are
+# pictures. Curves are off by at most 6 thousandths of the size, as much as by eye.
+MOST_CORNERS = 100
+COARSER = (
+    1.0,
+    2.0,
+    4.0,
+    8.0,
+    16.0,
+    32.0,
+    64.0,
+)  # times the usual tolerance of healing, the first that will do
 # Of the size: facets narrower than that, on average, and edges that are shorter, are where lines should have met in one
 # place, a pixel or so beside another: of a sheet of 100 mm 0.05 mm, less than any card is thick.
 NARROW = 5e-4
@@ -204,12 +217,42 @@ def _within(strokes: Sequence[Stroke], tolerance: float, *, large: bool) -> _Fou
             "draw the sheet's outline, or join its ends (--heal '0.5 mm')"
         )
     notes: list[str] = []
+    if not large:
+        graph, kept = _coarser(graph, strokes, kept, notes)
     region = _region(graph, strokes, kept, notes)
     points, edges, origin = linked(graph.points, [graph.edges[k] for k in kept])
     faces = faces_within(points, edges, region)
     if not faces:
         raise DesignError("the outlines enclose no facet")
     return _Found(graph, kept, loose, tolerance, points, edges, origin, faces, notes)
+
+
+def _coarser(
+    graph: Graph, strokes: Sequence[Stroke], kept: list[int], notes: list[str]
+) -> tuple[Graph, list[int]]:
+    """The graph, and which of its edges part something, with fewer corners along curves where creases are curved and
+    corners too many for facets that bend: along a curved crease they must."""
+    edges, owners = [graph.edges[k] for k in kept], [graph.strokes[k] for k in kept]
+    curves = curves_of(graph.points, edges, [(strokes[k].role, strokes[k].angle) for k in owners])
+    before = len({v for edge in edges for v in edge})
+    size = size_of(strokes)
+    creases = [curve for curve in curves if strokes[owners[curve.edge]].role in CREASES]
+    if before <= MOST_CORNERS or all(is_straight(graph.points, c, DEFAULT * size) for c in creases):
+        return graph, kept
+    for factor in COARSER:
+        rows = coarser(graph.points, curves, factor * DEFAULT * size)
+        after = len({v for edge, _ in rows for v in edge})
+        if after <= MOST_CORNERS:
+            break
+    if after == before:
+        return graph, kept
+    notes.append(
+        f"its curves have {after} corners of {before}, off by up to {1e3 * factor * DEFAULT * size:.3g} mm, as facets "
+        "bend from corner to corner and more take minutes (--large keeps all)"
+    )
+    rows.sort()
+    made = replace(graph, edges=tuple(e for e, _ in rows), strokes=tuple(owners[k] for _, k in rows))
+    return made, list(range(len(rows)))
 
 
 def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes: list[str]) -> MultiPolygon:

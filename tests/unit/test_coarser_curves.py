@@ -60,9 +60,8 @@ def test_a_circle_keeps_what_its_tolerance_asks_for() -> None:
     polygon = shapely.Polygon(corners[np.argsort(np.arctan2(corners[:, 1], corners[:, 0]))])
     assert shapely.hausdorff_distance(polygon.exterior, lines, densify=0.01) <= 0.01
     widest = 2.0 * np.arccos(1.0 - 0.01)
-    assert (
-        2.0 * np.pi / widest <= len(corners) <= 4.0 * np.pi / widest
-    )  # at most twice the least there can be
+    # At most twice the least there can be.
+    assert 2.0 * np.pi / widest <= len(corners) <= 4.0 * np.pi / widest
 
 
 def test_what_lines_are_for_and_where_they_meet_stays() -> None:
@@ -95,16 +94,26 @@ def test_rings_beside_and_within_one_another_never_cross(apart: float, tolerance
 
 
 def test_what_lies_within_a_curve_stays_within_it() -> None:
-    """A small ring beside the rim of a large one, which a coarse one would leave out without crossing it."""
-    points = np.vstack([ring(200), ring(12, 0.01, 0.97)])
+    """A small ring beside the rim of a large one, which an octagon would leave out without crossing it: amid a side of
+    it, 0.924 from its middle, by 0.03."""
+    away = 0.965 * np.exp(1j * np.pi / 8.0)
+    points = np.vstack([ring(200), ring(12, 0.01) + [away.real, away.imag]])
     edges = [*edges_of_ring(0, 200), *edges_of_ring(200, 12)]
     left = coarser(points, curves_of(points, edges, [0] * len(edges)), 0.9)
     rings = shapely.polygonize([shapely.LineString(points[list(edge)]) for edge, _ in left])
-    small, large = (
-        sorted(rings.geoms, key=lambda each: each.area)[0],
-        sorted(rings.geoms, key=lambda e: e.area)[-1],
-    )
+    small, *_, large = sorted(rings.geoms, key=lambda each: each.area)
     assert shapely.Polygon(large.exterior).contains(small)
+
+
+def test_a_corner_on_the_chord_keeps_a_curve_off_it() -> None:
+    """A shallow arc over two lines in one line: its chord would run along both, through the corner between them."""
+    turns = np.linspace(0.0, np.pi, 21)
+    points = np.vstack([np.column_stack([-np.cos(turns), 0.1 * np.sin(turns)]), [[0.0, 0.0], [0.0, -1.0]]])
+    edges = [*pairwise(range(21)), (0, 21), (20, 21), (21, 22)]
+    left = [edge for edge, _ in coarser(points, curves_of(points, edges, [0] * len(edges)), 0.2)]
+    assert (0, 20) not in left
+    assert {(0, 21), (20, 21), (21, 22)} < set(left)
+    assert len(left) < len(edges)  # it has fewer corners all the same
 
 
 def test_a_sheet_of_curved_creases_has_fewer_corners_and_says_so(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import shapely
 from shapely import STRtree
 
 from lamc.readers.drawings.geometry import crossing_pairs
-from lamc.readers.fold_faces import Edge
+from lamc.readers.fold_faces import NEAR, Edge
 from lamc.records.mechanism import Array
 
 _STEP = 0.25  # by which the tolerance of curves shrinks that would cross
@@ -53,10 +53,8 @@ def curves_of(points: Array, edges: Sequence[Edge], alike: Sequence[Hashable]) -
             first, second = at[corners[-1]]
             k = second if first == k else first
 
-    for start in [
-        *sorted(at.keys() - inner),
-        *sorted(inner),
-    ]:  # what is left at inner vertices are whole rings
+    # What is left at inner vertices, after all else, are whole rings.
+    for start in [*sorted(at.keys() - inner), *sorted(inner)]:
         for edge in at[start]:
             if edge not in done:
                 corners = walk(start, edge)
@@ -115,18 +113,22 @@ def _in_conflict(points: Array, rows: Sequence[tuple[int, int, int]]) -> set[int
 
 
 def _passing_over(points: Array, curves: Sequence[Curve], kept: Sequence[tuple[int, ...]]) -> set[int]:
-    """Curves with a corner of any between them and their chords: it would come to lie on the other side."""
-    hulls, owner = [], []
+    """Curves with a corner that stays between them and their chords, or on those: it would come to lie on the other
+    side, or amid an edge."""
+    hulls, owner, own = [], [], []
     for k, (curve, corners) in enumerate(zip(curves, kept, strict=True)):
         at = {v: i for i, v in enumerate(curve.corners)}
         for a, b in pairwise(corners):
             if at[b] > at[a] + 1:
-                hulls.append(
-                    shapely.convex_hull(shapely.LineString(points[list(curve.corners[at[a] : at[b] + 1])]))
-                )
+                replaced = curve.corners[at[a] : at[b] + 1]
+                hulls.append(shapely.convex_hull(shapely.LineString(points[list(replaced)])))
                 owner.append(k)
+                own.append(frozenset(replaced))
     if not hulls:
         return set()
     left = np.unique([v for corners in kept for v in corners])
-    over, _ = STRtree(shapely.points(points[left])).query(np.array(hulls, dtype=object), predicate="contains")
-    return {owner[k] for k in over.tolist()}
+    near = NEAR * float(np.ptp(points, axis=0).max())
+    tree = STRtree(shapely.points(points[left]))
+    over, vertices = tree.query(np.array(hulls, dtype=object), predicate="dwithin", distance=near)
+    pairs = zip(over.tolist(), left[vertices].tolist(), strict=True)
+    return {owner[k] for k, vertex in pairs if vertex not in own[k]}

@@ -3,6 +3,8 @@
 In: a frame. Out: whether its edges part facets as they are, and if not, a `Drawing` of them. Never: mends anything.
 """
 
+import numpy as np
+
 from lamc.basics.errors import DesignError
 from lamc.readers.fold_faces import check_count, check_planar
 from lamc.readers.fold_file import FoldFrame
@@ -10,7 +12,7 @@ from lamc.readers.fold_sheet import is_level, unit_of
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing, Role, Stroke
 
-# J joins two facets for good, as F does as long as facets are rigid.
+# J joins two facets for good, as F does as long as facets are rigid; a note tells the difference.
 _ROLES: dict[str, Role] = {
     "B": "border",
     "C": "cut",
@@ -40,6 +42,12 @@ def lines_of(frame: FoldFrame, options: SheetOptions, stem: str, file: str) -> D
     notes = list(frame.notes)
     if fault is not None:
         notes.append(f"{fault.partition(':')[0]}: edges are healed as lines of a drawing are")
+    points = [k for k, (a, b) in enumerate(frame.edges) if not np.any(frame.vertices[a] - frame.vertices[b])]
+    if points:
+        notes.append(f"{frame.told(points)} left out: no length")
+    joined = [k for k, kind in enumerate(frame.kinds) if kind == "J"]
+    if joined:
+        notes.append(f"{frame.told(joined)} marked J: read as F, along which facets may bend")
     scale = unit_of(frame, options, notes)
     strokes = tuple(
         Stroke(

@@ -1,16 +1,21 @@
 """FOLD files without faces whose edges cross, touch or run over one another: healed as lines of a drawing are."""
 
 import json
+import re
+import warnings
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 import lamc
 from lamc.basics.errors import DesignWarning, LamcError
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus as corpus
+from tests.support.quick import tries
 
 Data = dict[str, Any]
 RIM = [(-40, -40), (40, -40), (40, 40), (-40, 40)]
@@ -88,6 +93,7 @@ def test_what_each_assignment_becomes(tmp_path: Path) -> None:
     assert rests == [(False, False), (True, False), (True, True)]
     assert len(sheet.bodies) == 5  # seven strips, of which three are one
     assert any("pieces" in note for note in told)
+    assert any("edge 8 marked J: read as F" in note for note in told)
 
 
 def test_lines_over_one_another_are_one(tmp_path: Path) -> None:
@@ -95,6 +101,77 @@ def test_lines_over_one_another_are_one(tmp_path: Path) -> None:
     sheet, told = loaded(tmp_path, twice)
     assert len(sheet.joints) == 1
     assert any("doubled line" in note for note in told)
+
+
+def test_an_angle_makes_a_spring_of_an_unassigned_line(tmp_path: Path) -> None:
+    sheet, _ = loaded(tmp_path, square(((-40, 0), (40, 0), "U", 30.0)))
+    assert sheet.joints[0].stiffness > 0.0
+    assert abs(sheet.joints[0].rest_angle) == pytest.approx(np.pi / 6.0)
+
+
+@pytest.mark.parametrize(
+    ("more", "ends", "why"),
+    [
+        ([(0, -40), (0, 40)], [(4, 5)], r"vertex 4 at \(0, -40\) lies on edge 0"),
+        ([(0, -80), (0, 0)], [(4, 5)], r"edges 0 and 4 cross at \(0, -40\)"),
+        ([(0, 0), (-40, -40)], [(4, 5), (4, 2)], r"vertices 0 and 5 are one place, \(-40, -40\)"),
+        ([(0, 0), (0, 0)], [(4, 5)], "edge 4 has no length"),
+    ],
+)
+def test_the_first_fault_is_told(
+    tmp_path: Path, more: list[tuple[float, float]], ends: list[tuple[int, int]], why: str
+) -> None:
+    rim = [(k, (k + 1) % 4) for k in range(4)]
+    data = {"frame_unit": "mm", "vertices_coords": [*RIM, *more], "edges_vertices": [*rim, *ends]}
+    data["edges_assignment"] = [*"BBBB", *"C" * len(ends)]
+    _, told = loaded(tmp_path, data)
+    assert any(re.search(f"{why}: edges are healed", note) for note in told)
+
+
+def test_every_edge_without_length_is_told(tmp_path: Path) -> None:
+    dots = [((10, y), (10, y), "M", None) for y in (5, 15)]
+    _, told = loaded(tmp_path, square(((-40, 0), (40, 0), "V", 70.0), *dots))
+    assert any("edges 5, 6 left out: no length" in note for note in told)
+
+
+PLACES = st.tuples(st.integers(-4, 4), st.integers(-4, 4)).map(lambda xy: (10.0 * xy[0], 10.0 * xy[1]))
+
+
+@settings(max_examples=tries(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.lists(st.tuples(PLACES, PLACES, st.sampled_from("MVF")), min_size=1, max_size=6))
+def test_lines_are_the_sheet_that_the_same_lines_are_as_svg(
+    tmp_path: Path, rows: list[tuple[tuple[float, float], tuple[float, float], str]]
+) -> None:
+    """Another reader, of the same lines: y runs down in SVG, and the front is the same."""
+    creases = [(a, b, kind, {"M": -90.0, "V": 90.0, "F": None}[kind]) for a, b, kind in rows if a != b]
+    data = square(((-40.0, 0.0), (40.0, 0.0), "V", 90.0), *creases)
+    points, colours = data["vertices_coords"], {"B": "black", "M": "red", "V": "blue", "F": "#ffff00"}
+    body = "".join(
+        f'<line x1="{points[a][0]}" y1="{-points[a][1]}" x2="{points[b][0]}" y2="{-points[b][1]}" '
+        f'stroke="{colours[kind]}" stroke-opacity="0.5"/>'
+        for (a, b), kind in zip(data["edges_vertices"], data["edges_assignment"], strict=True)
+    )
+    file = tmp_path / "sheet.svg"
+    box = 'width="80mm" height="80mm" viewBox="-40 -40 80 80"'
+    file.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {box}>{body}</svg>')
+    found: list[tuple[list[float], list[float]]] = []
+    refused: list[bool] = []
+    for path in (corpus.write(tmp_path / "sheet.fold", data), file):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DesignWarning)
+            try:
+                sheet = lamc.load(path, facets="rigid")
+            except LamcError as error:  # of lines that end near others
+                found.append(([], []))
+                refused.append("stop short" in str(error))
+                continue
+        assert isinstance(sheet, Mechanism)
+        found.append((sorted(body.mass for body in sheet.bodies), sorted(j.stiffness for j in sheet.joints)))
+    assert all(refused)
+    assert len(refused) in (0, 2)
+    assert [len(each) for each in found[0]] == [len(each) for each in found[1]]
+    for first, second in zip(*found, strict=True):
+        assert first == pytest.approx(second, rel=1e-9)
 
 
 def test_heal_says_within_what_and_is_for_lines(tmp_path: Path) -> None:

@@ -108,6 +108,16 @@ def strip(folder: Path, count: int) -> Path:
     return fold_corpus.write(folder / f"strip_{count}.fold", data)
 
 
+def waves(folder: Path, count: int) -> Path:
+    """Curved creases across a square, mountains and valleys by turns."""
+    lines = []
+    for k in range(count):
+        y = 100.0 * (k + 1) / (count + 1)
+        d = f"M0 {y:.4f}C30 {y - 25:.4f} 60 {y + 25:.4f} 100 {y:.4f}"
+        lines.append(f'<path stroke="{("red", "blue")[k % 2]}" stroke-opacity="0.5" d="{d}"/>')
+    return _svg(folder, f"waves_{count}", [_RIM, *lines])
+
+
 def windows(folder: Path, size: int) -> Path:
     """A square with a crease and size² round windows."""
     step = 100.0 / size
@@ -165,6 +175,9 @@ HOSTILE: dict[str, Callable[[Path], Path]] = {
     "spiral of 1e6 points": lambda folder: spiral(folder, 1_000_000),
     "cut spiral of 9e4 points": lambda folder: spiral(folder, 90_000, "#00ff00"),
     "rim of 9e4 points": lambda folder: round_outline(folder, 90_000),
+    "6 waves": lambda folder: waves(folder, 6),
+    "20 waves": lambda folder: waves(folder, 20),
+    "200 waves": lambda folder: waves(folder, 200),
     "900 windows": lambda folder: windows(folder, 30),
     "4900 windows": lambda folder: windows(folder, 70),
     "20000 specks": lambda folder: specks(folder, 20_000),

@@ -97,7 +97,7 @@ def test_what_lies_within_a_curve_stays_within_it() -> None:
     """A small ring beside the rim of a large one, which an octagon would leave out without crossing it: amid a side of
     it, 0.924 from its middle, by 0.03."""
     away = 0.965 * np.exp(1j * np.pi / 8.0)
-    points = np.vstack([ring(200), ring(12, 0.01) + [away.real, away.imag]])
+    points = np.vstack([ring(200), ring(12, 0.01) + np.array([away.real, away.imag])])
     edges = [*edges_of_ring(0, 200), *edges_of_ring(200, 12)]
     left = coarser(points, curves_of(points, edges, [0] * len(edges)), 0.9)
     rings = shapely.polygonize([shapely.LineString(points[list(edge)]) for edge, _ in left])

@@ -48,18 +48,11 @@ WIDER = (
     10.0,
     30.0,
 )  # times the usual tolerance: drawings of few digits, or by eye; the last is 3 thousandths of the size
-# Of a sheet of curved creases, of which each makes three hinges: 200 to 700, which take 10 to 30 s until there are
-# pictures. Curves are off by at most 6 thousandths of the size, as much as by eye.
+# Of a sheet of curved creases; each makes up to three hinges. Six waves across a square take 21 s of processor time
+# until there are pictures (`python -m benchmarks.large_drawings --only "6 waves"`).
 MOST_CORNERS = 100
-COARSER = (
-    1.0,
-    2.0,
-    4.0,
-    8.0,
-    16.0,
-    32.0,
-    64.0,
-)  # times the usual tolerance of healing, the first that will do
+# Times the usual tolerance of healing, the first that will do. Off by 64e-4 of the size, a curve is one by eye still.
+COARSER = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 # Of the size: facets narrower than that, on average, and edges that are shorter, are where lines should have met in one
 # place, a pixel or so beside another: of a sheet of 100 mm 0.05 mm, less than any card is thick.
 NARROW = 5e-4

@@ -50,7 +50,11 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
         return Length(end, max_steps)
     if t_end is not None or duration:
         return Length(end, MAX_STEPS)
-    steps = default_steps(len(simulator.joints), simulator.freedoms, has_loops=bool(simulator.cut_joints))
+    has_loops = bool(simulator.cut_joints)
+    has_misfit = has_loops and simulator.loops.accepted_gap > 0.0
+    steps = default_steps(
+        len(simulator.joints), simulator.freedoms, has_loops=has_loops, has_misfit=has_misfit
+    )
     if steps >= _MANY:
         return Length(end, MAX_STEPS)
     return Length(end, steps, is_own=True)

@@ -24,6 +24,7 @@ from lamc.loops.linear import EXACT
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
 from lamc.loops.surveys import Survey, near_surveys, survey
 from lamc.loops.tangents import EXACTLY, MOST_FREE, NEARLY, Fit
+from lamc.loops.texts import MAY_BEND
 from lamc.loops.walks import LoopPosition
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
@@ -202,7 +203,7 @@ def check_freedom(count: LoopCount) -> None:
         raise DesignError(
             f"{count.misfit.text}; taken exactly (rank {count.rank}, not {count.misfit.rank}) nothing moves: align "
             "its axes and lengths, or accept the gap with a closure_tolerance of "
-            f"{rounded_up(count.misfit.gap):g} m or more; facets of a drawing may bend (facet_creases)"
+            f"{rounded_up(count.misfit.gap):g} m or more; {MAY_BEND}"
         )
     shaky = (
         f"; to first order {count.shakes} rates are free as drawn, and none of them goes on"
@@ -211,6 +212,5 @@ def check_freedom(count: LoopCount) -> None:
     )
     raise DesignError(
         f"the mechanism has no degree of freedom: its loops put {count.rank} independent equations on {count.rank} "
-        f"hinge angles{shaky}; add a hinge, or remove one that closes a loop; facets of a "
-        "drawing may bend (facet_creases)"
+        f"hinge angles{shaky}; add a hinge, or remove one that closes a loop; {MAY_BEND}"
     )

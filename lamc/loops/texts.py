@@ -6,6 +6,8 @@ import numpy as np
 
 from lamc.loops.branches import Branch
 
+# What lets loops close that rigid facets do not.
+MAY_BEND = "facets of a sheet may bend (--facets bend), and those of a design (facet_creases)"
 ROUND_OFF = 1e-9  # of the largest rate; null spaces of large sheets have rows of some 1e-13
 
 

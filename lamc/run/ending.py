@@ -10,6 +10,7 @@ import numpy as np
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.misfit import length, widest_gap
 from lamc.loops.rank import LoopCount
+from lamc.loops.texts import MAY_BEND
 from lamc.records.mechanism import Array
 from lamc.run.model import Motion
 from lamc.run.request import Request, Status, Trajectory
@@ -73,5 +74,5 @@ def gap_text(geometry: LoopGeometry, count: LoopCount, angles: Array) -> str:
         return text
     return (
         f"{text}; the drawing closes only within {length(count.misfit.gap)}, which grows towards positions like this "
-        "one: draw it with more digits, or let facets bend (facet_creases)"
+        f"one: draw it with more digits; {MAY_BEND}"
     )

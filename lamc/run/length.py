@@ -6,6 +6,8 @@ looks at a clock, so that a run ends alike on every machine.
 
 from dataclasses import dataclass
 
+from lamc.loops.misfit import length
+from lamc.loops.texts import MAY_BEND, ROUND_OFF
 from lamc.run.defaults import DURATION, MAX_STEPS, default_rows, default_steps
 from lamc.run.request import Status
 from lamc.run.result import Result
@@ -38,8 +40,16 @@ class Length:
             f"nobody says how long it is to run, and {self.steps} steps of {len(simulator.joints)} hinges with "
             f"{simulator.freedoms} freedoms are as much work as a run does by itself: it ends before "
             f"{self.t_end:g} s; --t-end {self.t_end:g}, or a duration in its scene, runs to there however long that "
-            "takes, and a looser --rtol takes longer steps"
+            f"takes, and a looser --rtol takes longer steps{_of_misfit(simulator)}"
         )
+
+
+def _of_misfit(simulator: Simulator) -> str:
+    """That loops which close only nearly take short steps, and what helps; empty of others."""
+    misfit = simulator.loops.misfit if simulator.cut_joints else None
+    if misfit is None or misfit.gap < ROUND_OFF * simulator.mechanism.size:
+        return ""
+    return f"; its loops close only within {length(misfit.gap)}, which takes many short steps: {MAY_BEND}"
 
 
 def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) -> Length:

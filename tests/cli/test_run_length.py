@@ -3,11 +3,12 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 from lamc.cli import main
-from lamc.run import defaults
+from lamc.run import defaults, length
 from lamc.run.defaults import MAX_STEPS, default_steps
 from tests.support.ctools import needs_cc
 from tests.support.fold_corpus import miura, write
@@ -85,3 +86,29 @@ def test_frames_of_a_motion_end_there_too(monkeypatch: pytest.MonkeyPatch) -> No
     assert "nobody says how long" in made.output
     (file,) = Path("f").glob("*.fold")
     assert len(json.loads(file.read_text(encoding="utf-8"))["file_frames"]) == 2
+
+
+def test_a_run_that_short_steps_end_names_what_loops_fit_by_and_the_way_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A Miura sheet whose corners are off by up to 1e-5 of its size: rigid facets close nearly, bent ones exactly."""
+    monkeypatch.setattr(defaults, "_MOST_WORK", 20 * 12 * 24 * 151)
+    monkeypatch.setattr(length, "_MANY", 1_000_000)
+    data = miura(4, 4)
+    random = np.random.default_rng(3)
+    corners = np.array(data["vertices_coords"])
+    data["vertices_coords"] = (
+        corners + 2e-5 * np.ptp(corners) * (random.random(corners.shape) - 0.5)
+    ).tolist()
+    write(Path("m.fold"), data)
+
+    def note(*words: str) -> object:
+        done = CliRunner().invoke(main, ["run", "m.fold", "--no-pictures", "--out", "o", *words])
+        assert done.exit_code == 0, done.output
+        notes = json.loads(Path("o/manifest.json").read_text(encoding="utf-8"))["notes"]
+        return next(note for note in notes if "nobody says" in note)
+
+    rigid = str(note())
+    assert "its loops close only within" in rigid
+    assert "--facets bend" in rigid
+    assert "close only" not in str(note("--facets", "bend"))

@@ -45,11 +45,11 @@ class Length:
 
 
 def _of_misfit(simulator: Simulator) -> str:
-    """That loops which close only nearly take short steps, and what helps; empty of others."""
-    misfit = simulator.loops.misfit if simulator.cut_joints else None
+    """That loops which close only nearly may take short steps, and what may help; empty of others."""
+    misfit = simulator.loops.misfit
     if misfit is None or misfit.gap < ROUND_OFF * simulator.mechanism.size:
         return ""
-    return f"; its loops close only within {length(misfit.gap)}, which takes many short steps: {MAY_BEND}"
+    return f"; its loops close only within {length(misfit.gap)}, for which steps may be short: {MAY_BEND}"
 
 
 def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) -> Length:
@@ -60,10 +60,11 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
         return Length(end, max_steps)
     if t_end is not None or duration:
         return Length(end, MAX_STEPS)
-    has_loops = bool(simulator.cut_joints)
-    has_misfit = has_loops and simulator.loops.accepted_gap > 0.0
     steps = default_steps(
-        len(simulator.joints), simulator.freedoms, has_loops=has_loops, has_misfit=has_misfit
+        len(simulator.joints),
+        simulator.freedoms,
+        has_loops=bool(simulator.cut_joints),
+        has_misfit=simulator.loops.accepted_gap > 0.0,
     )
     if steps >= _MANY:
         return Length(end, MAX_STEPS)

@@ -164,6 +164,7 @@ HOSTILE: dict[str, Callable[[Path], Path]] = {
     "30 x 30 lines across": lambda folder: crossed_grid(folder, 30),
     "150 x 150 lines across": lambda folder: crossed_grid(folder, 150),
     "1000 x 1000 lines across": lambda folder: crossed_grid(folder, 1000),
+    "16 random lines": lambda folder: random_lines(folder, 16),
     "100 random lines": lambda folder: random_lines(folder, 100),
     "3000 random lines": lambda folder: random_lines(folder, 3000),
     "Miura 16x16, drawn 5 times": lambda folder: doubled(folder, 16, 5),

@@ -96,7 +96,7 @@ _sheet = together(
     click.option(
         "--facets",
         type=click.Choice(["rigid", "bend"]),
-        help="Of a sheet of creases: whether facets bend.  [default: where nothing moves otherwise]",
+        help="Of a sheet of creases: whether facets bend.  [default: where rigid ones do not fold well]",
         show_default=False,
     ),
     click.option(

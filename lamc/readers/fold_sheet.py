@@ -15,7 +15,7 @@ import shapely
 from lamc.basics.errors import DesignError
 from lamc.basics.units import LENGTH, to_si
 from lamc.design.mass import body_properties
-from lamc.readers.fold_bending import CREASED, FACET, STIFFER, bending, moves
+from lamc.readers.fold_bending import CREASED, FACET, STIFFER, STILL, bending, obstacle
 from lamc.readers.fold_faces import (
     Face,
     beside_edges,
@@ -50,21 +50,21 @@ def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple
 
     Raises DesignError with edge, face or vertex for what cannot be.
     """
-    sheet = _Sheet(frame, options)
-    made, notes = sheet.mechanism(stem)
-    chosen = options.facets
-    creased = any(kind in CREASED for kind in frame.kinds)
-    if frame.own or chosen == "rigid" or (chosen is None and (moves(made) or not creased)):
+    made, notes = _Sheet(frame, options).mechanism(stem)
+    if frame.own or options.facets == "rigid":
         return made, notes
-    facets = sheet.facets()
-    bent, told = _Sheet(bending(frame, facets.faces, facets.corners), options).mechanism(stem)
-    if chosen is None:
-        if not moves(bent):
-            return made, notes
-        told.append(
-            "nothing moves while facets are rigid: they bend along diagonals and flat lines, "
-            f"{STIFFER:g} times as stiff as creases of the same length (--facets rigid leaves them rigid)"
-        )
+    if options.facets == "bend":
+        return _bending(frame, options).mechanism(stem)
+    why = obstacle(made) if any(kind in CREASED for kind in frame.kinds) else ""
+    if not why:
+        return made, notes
+    bent, told = _bending(frame, options).mechanism(stem)
+    if len(bent.joints) == len(made.joints) or obstacle(bent) == STILL:
+        return made, notes
+    told.append(
+        f"{why}: they bend along diagonals and flat lines, {STIFFER:g} times as stiff as creases of the same length "
+        "(--facets rigid leaves them rigid)"
+    )
     return bent, told
 
 
@@ -312,6 +312,12 @@ class _Sheet:
                 "'0.3 mm, 700 kg/m^3' says another)"
             )
         return card
+
+
+def _bending(frame: FoldFrame, options: SheetOptions) -> _Sheet:
+    """The sheet of one frame with facets that bend."""
+    facets = _Sheet(frame, options).facets()
+    return _Sheet(bending(frame, facets.faces, facets.corners), options)
 
 
 def _roots(count: int, pairs: Sequence[tuple[int | None, int | None]]) -> list[int]:

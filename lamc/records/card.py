@@ -53,7 +53,8 @@ class SheetOptions:
     units   of the drawing's numbers, "mm"
     roles   what lines of a colour ("#ff0000", "red") or a layer are for, of an SVG or DXF drawing: see `Role`
     heal    m, how far ends of lines may be off and are mended; 0: nothing is mended
-    facets  "rigid", or "bend" along diagonals and flat lines; None: they bend where nothing moves otherwise
+    facets  "rigid", or "bend" along diagonals and flat lines; None: they bend where rigid ones do not fold,
+            or close only nearly
     large   more facets are read than take some seconds
     """
 

@@ -22,7 +22,7 @@ _OF_LOOPS, _OF_TREES, _SQUARED = 150, 40, 50
 # A hinge of loops that close only within a tolerance takes `_MISFIT` more for each hinge that the mechanism has beyond
 # `_FEW`, up to `_ALL`: their closure is solved by singular values, as what is a misfit's is no equation. Some such
 # sheets take a fifth, others three times as much (95 hinges: 2.7 ms for an evaluation, 113: 1.2, 269: 40, 700 to 1500:
-# some 25); `python -m benchmarks.large_drawings --only '16 random lines'` has one. Loops of fewer hinges are quick.
+# some 25). Such sheets are left rigid by `--facets rigid` alone, or are of triangles. Loops of fewer hinges are quick.
 _MISFIT, _FEW, _ALL = 100, 40, 300
 _EVALUATIONS = 12  # of a step
 _MOST_WORK = 2_000_000_000  # of a run: 4 s, so that all of `lamc run` takes some 20 at most

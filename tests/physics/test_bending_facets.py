@@ -1,4 +1,4 @@
-"""Sheets whose rigid facets do not move: they bend along diagonals, and it is told."""
+"""Sheets whose rigid facets do not fold, or close only nearly: they bend along diagonals, and it is told."""
 
 import json
 import math
@@ -13,6 +13,7 @@ import pytest
 import lamc
 from lamc.basics.errors import DesignError, DesignWarning
 from lamc.records.mechanism import Mechanism
+from tests.support import fold_corpus
 from tests.support.ctools import needs_cc
 
 pytestmark = needs_cc
@@ -86,6 +87,43 @@ def test_facets_that_move_stay_rigid(tmp_path: Path) -> None:
     assert len(sheet.bodies) == 9
     asked, _ = read(quads(tmp_path, 0.0), facets="bend")
     assert len(asked.bodies) == 18
+
+
+def drawn_by_eye(folder: Path, off: float) -> Path:
+    """A Miura sheet of 4 x 3 facets whose vertices are off by shares of its size."""
+    data = fold_corpus.miura(4, 3)
+    exact = np.array(data["vertices_coords"], dtype=float)
+    aside = np.random.default_rng(3).uniform(-1.0, 1.0, exact.shape)
+    data["vertices_coords"] = (exact + off * np.ptp(exact, axis=0).max() * aside).tolist()
+    return fold_corpus.write(folder / f"miura_{off:g}.fold", data)
+
+
+@pytest.mark.parametrize("off", [1e-5, 1e-4, 1e-3])
+def test_facets_bend_where_rigid_ones_close_only_nearly(tmp_path: Path, off: float) -> None:
+    sheet, notes = read(drawn_by_eye(tmp_path, off))
+    assert len(sheet.bodies) == 24
+    told = [note for note in notes if "they bend along diagonals" in note]
+    assert len(told) == 1
+    # At 1e-3 of the size loops are off by more than is taken as closed: nothing moves.
+    assert ("nothing moves" if off == 1e-3 else "fits worst around") in told[0]
+    assert "--facets rigid" in told[0]
+
+
+def test_a_sheet_that_closes_only_nearly_folds_to_the_end(tmp_path: Path) -> None:
+    path = drawn_by_eye(tmp_path, 1e-5)
+    rigid, _ = read(path, facets="rigid")
+    failed = lamc.compile(rigid).run(1.0)
+    assert not failed.success
+    assert failed.t[-1] < 0.1
+    bent, _ = read(path)
+    result = lamc.compile(bent).run(1.0)
+    assert result.success, result.message
+
+
+def test_six_digits_are_enough_for_rigid_facets(tmp_path: Path) -> None:
+    sheet, notes = read(drawn_by_eye(tmp_path, 1e-6))
+    assert len(sheet.bodies) == 12
+    assert not any("bend" in note for note in notes)
 
 
 def test_a_curved_crease_folds_where_its_facets_bend(tmp_path: Path) -> None:

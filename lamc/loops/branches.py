@@ -120,7 +120,8 @@ def _one_of_many(
     local, basis = tangents.local, tangents.basis
     assert local is not None
     asked = [] if led is None else [led, *(led * (1.0 + ABOUT * local.random[:CORNERS]))]
-    usual_freedoms = basis.shape[0] - (rank or 0)
+    free = basis.shape[1]
+    usual_freedoms = max(1, free - len(local.joints)) if rank is None else basis.shape[0] - rank
     corners: list[tuple[int, Array]] = []
     for wanted in [*asked, *local.random]:
         rates = local.nearest(basis, wanted)
@@ -128,7 +129,7 @@ def _one_of_many(
             continue
         freedoms = local.freedoms(basis, rates, EXACTLY.family)
         rates = _normalised(rates, geometry.order, EXACTLY.same)
-        if rank is not None and freedoms > usual_freedoms:
+        if freedoms > usual_freedoms:
             corners.append((freedoms, rates))
         elif _goes_on(geometry, angles, rates, rank):
             return (_branch(geometry, rates, freedoms),)

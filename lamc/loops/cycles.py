@@ -1,16 +1,18 @@
 """The short cycles of a mechanism: closed ways over hinges from a body back to itself, a basis of least length.
 
 In: a `Tree`. Out: `Cycle`s, as many as it has cuts, in which each closure equation knows its own few hinges and no
-others. In a sheet they are its inner vertices. Never: looks at angles; depends on which hinges are cut, or on the
-order or the names of what is given.
+others. In a sheet they are its inner vertices: a way around several of them may be as short, but takes six equations
+where that around one takes three. Never: looks at angles; depends on which hinges are cut, or on the order or the
+names of what is given.
 
 Cycles of a graph are a vector space over {0, 1}. Horton's candidates, by increasing length, hold a basis of least
 total length: an edge and the shortest ways from its ends to a root (J. D. Horton, "A polynomial-time algorithm to
-find the shortest cycle basis of a graph", SIAM J. Comput. 16, 1987, 358).
+find the shortest cycle basis of a graph", SIAM J. Comput. 16, 1987, 358). Of these, those of three equations come
+first.
 """
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -21,8 +23,10 @@ from lamc.basics.groups import unite
 from lamc.basics.once import kept_with
 from lamc.mechanism.spanning import geometric_key
 from lamc.mechanism.tree import WORLD, Tree
-from lamc.records.mechanism import Array, Joint
+from lamc.records.mechanism import Array
 from lamc.records.network import SAME
+
+Ring = tuple[int, ...]  # indices of edges in the order of a closed way
 
 # Of the largest sine: of lines that meet, the first that leans so far from the first one tells the plane of z. The line
 # that leans farthest would be another one at another fold angle, and with it the zeros of the equations; neighbours in
@@ -84,32 +88,47 @@ def _short_cycles(tree: Tree) -> tuple[Cycle, ...]:
     rank = {
         index: position for position, index in enumerate(sorted(range(len(joints)), key=keys.__getitem__))
     }
-    ways = _usual_basis(tuple(edges), tuple(rank[index] for index in range(len(joints))))
-    return tuple(_cycle(way, edges, joints, tree.mechanism.size) for way in ways)
+    axes = np.array([joint.axis for joint in joints]).reshape(-1, 3)
+    points = np.array([joint.point for joint in joints]).reshape(-1, 3)
+    size = tree.mechanism.size
+    ways = shortest_basis(
+        tuple(edges),
+        tuple(rank[index] for index in range(len(joints))),
+        lambda rings: _equations(rings, axes, points, size),
+    )
+    return tuple(_cycle(way, edges, axes, points, size) for way in ways)
 
 
-@lru_cache(maxsize=4)  # drawings of one topology have one, whatever their numbers
-def _usual_basis(edges: tuple[Edge, ...], rank: tuple[int, ...]) -> tuple[tuple[int, ...], ...]:
-    return tuple(shortest_basis(edges, rank))
-
-
-def shortest_basis(edges: Sequence[Edge], rank: Sequence[int]) -> list[tuple[int, ...]]:
-    """Cycles as rings of edge indices; ties of length are broken by `rank` of their edges."""
-    nodes = sorted({end for edge in edges for end in (edge.parent, edge.child)})
-    wanted = len(edges) - len(nodes) + _pieces(nodes, edges)
-    at = _incidence(nodes, edges, rank)
+def shortest_basis(
+    edges: tuple[Edge, ...], rank: tuple[int, ...], equations: Callable[[Sequence[Ring]], Sequence[int]]
+) -> tuple[Ring, ...]:
+    """Cycles as rings of edge indices, of least numbers of `equations`, then of edges; ties are broken by `rank` of
+    these."""
     reach = FIRST_REACH
     while True:
-        basis = _independent(_candidates(nodes, edges, at, rank, reach), wanted)
-        if len(basis) == wanted:
+        basis = _basis(edges, rank, reach, tuple(equations(_candidates(edges, rank, reach))))
+        if basis is not None:
             return basis
         reach *= 2
 
 
-def _independent(candidates: Sequence[tuple[int, ...]], wanted: int) -> list[tuple[int, ...]]:
+@lru_cache(maxsize=4)  # drawings of one topology have one, whatever their numbers
+def _basis(
+    edges: tuple[Edge, ...], rank: tuple[int, ...], reach: int, equations: tuple[int, ...]
+) -> tuple[Ring, ...] | None:
+    """That of the candidates within reach; None where they are too few."""
+    nodes = _nodes(edges)
+    wanted = len(edges) - len(nodes) + _pieces(nodes, edges)
+    candidates = _candidates(edges, rank, reach)
+    order = sorted(range(len(candidates)), key=equations.__getitem__)  # stable: the shorter ones first
+    basis = _independent([candidates[k] for k in order], wanted)
+    return tuple(basis) if len(basis) == wanted else None
+
+
+def _independent(candidates: Sequence[Ring], wanted: int) -> list[Ring]:
     """The first `wanted` of the candidates that are independent over {0, 1}, by elimination on whole numbers."""
     pivots: dict[int, int] = {}
-    basis: list[tuple[int, ...]] = []
+    basis: list[Ring] = []
     for ring in candidates:
         if len(basis) == wanted:
             break
@@ -124,24 +143,25 @@ def _independent(candidates: Sequence[tuple[int, ...]], wanted: int) -> list[tup
     return basis
 
 
-def _candidates(
-    nodes: Sequence[int],
-    edges: Sequence[Edge],
-    at: dict[int, list[tuple[int, int]]],
-    rank: Sequence[int],
-    reach: int,
-) -> list[tuple[int, ...]]:
+@lru_cache(maxsize=4)
+def _candidates(edges: tuple[Edge, ...], rank: tuple[int, ...], reach: int) -> tuple[Ring, ...]:
     """Rings of at most 2 reach + 1 edges that a root and an edge give, the shortest first."""
-    found: dict[frozenset[int], tuple[int, ...]] = {}
+    nodes = _nodes(edges)
+    at = _incidence(nodes, edges, rank)
+    found: dict[frozenset[int], Ring] = {}
     for root in nodes:
         for ring in _rings(root, edges, at, reach):
             found.setdefault(frozenset(ring), ring)
-    return sorted(found.values(), key=lambda ring: (len(ring), sorted(rank[edge] for edge in ring)))
+    return tuple(sorted(found.values(), key=lambda ring: (len(ring), sorted(rank[edge] for edge in ring))))
+
+
+def _nodes(edges: Sequence[Edge]) -> list[int]:
+    return sorted({end for edge in edges for end in (edge.parent, edge.child)})
 
 
 def _rings(
     root: int, edges: Sequence[Edge], at: dict[int, list[tuple[int, int]]], reach: int
-) -> Iterator[tuple[int, ...]]:
+) -> Iterator[Ring]:
     """Rings of an edge and the ways from its ends to `root`, where these share nothing but the root."""
     before: dict[int, tuple[int, int]] = {
         root: (-1, root)
@@ -196,15 +216,14 @@ def _pieces(nodes: Sequence[int], edges: Sequence[Edge]) -> int:
     return sum(each == index for index, each in enumerate(head))
 
 
-def _cycle(ring: tuple[int, ...], edges: Sequence[Edge], joints: Sequence[Joint], size: float) -> Cycle:
+def _cycle(ring: Ring, edges: Sequence[Edge], axes: Array, points: Array, size: float) -> Cycle:
     signs = _directions(ring, edges)
-    axes = np.array([joints[index].axis for index in ring])
-    points = np.array([joints[index].point for index in ring])
+    axes, points = axes[list(ring)], points[list(ring)]
     kind, centre = _kind(axes, points, size)
     return Cycle(ring, signs, kind, centre, _frame(kind, axes, points - centre, size))
 
 
-def _directions(ring: tuple[int, ...], edges: Sequence[Edge]) -> tuple[int, ...]:
+def _directions(ring: Ring, edges: Sequence[Edge]) -> tuple[int, ...]:
     """Whether each edge of a ring is passed from its parent to its child."""
     if len(ring) == 2:  # two joints between the same bodies: out by the first, back by the second
         back = -1 if edges[ring[1]].parent == edges[ring[0]].parent else 1
@@ -217,6 +236,24 @@ def _directions(ring: tuple[int, ...], edges: Sequence[Edge]) -> tuple[int, ...]
         signs.append(1 if forth else -1)
         node = edges[index].child if forth else edges[index].parent
     return tuple(signs)
+
+
+def _equations(rings: Sequence[Ring], axes: Array, points: Array, size: float) -> list[int]:
+    """How many equations close each ring: as `_kind` would say of it, thousands at once."""
+    found = np.full(len(rings), Kind.SPATIAL.equations)
+    across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
+    feet = np.einsum("jab,jb->ja", across, points)
+    lengths = np.array([len(ring) for ring in rings])
+    for length in sorted(set(lengths.tolist())):
+        rows = np.flatnonzero(lengths == length)
+        own = np.array([rings[row] for row in rows])
+        leans = np.abs(np.cross(axes[own], axes[own[:, :1]])).max(axis=(1, 2)) > SAME
+        found[rows[~leans]] = Kind.PLANAR.equations
+        rows, own = rows[leans], own[leans]
+        centre = np.linalg.solve(across[own].sum(axis=1), feet[own].sum(axis=1)[..., None])
+        apart = np.linalg.norm((across[own] @ centre[:, None])[..., 0] - feet[own], axis=2).max(axis=1)
+        found[rows[apart <= SAME * size]] = Kind.SPHERICAL.equations
+    return found.tolist()
 
 
 def _kind(axes: Array, points: Array, size: float) -> tuple[Kind, Array]:

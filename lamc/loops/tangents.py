@@ -70,8 +70,8 @@ class Tangents:
 
     @property
     def is_one_family(self) -> bool:
-        """Whether fewer forms than free rates of a sheet leave no branch by itself."""
-        return self.local is not None and self.count < self.basis.shape[1]
+        """Whether so many fewer forms than free rates of a sheet leave no branch by itself."""
+        return self.local is not None and self.count + 1 < self.basis.shape[1]
 
     def values(self, x: Array) -> Array:
         """The forms (count,) at a row (d,) of the null space."""

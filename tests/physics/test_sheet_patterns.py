@@ -1,9 +1,11 @@
 """Patterns of triangles: what is drawn, the closed forms by which they fold alike, and that they come to rest so."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import lamc
 from lamc import examples
@@ -12,6 +14,7 @@ from lamc.examples.folded import mirrored, third_of_opposites
 from lamc.loops.cycles import Kind, short_cycles
 from lamc.mechanism.plan import plan
 from tests.support.ctools import needs_cc
+from tests.support.fold_corpus import hypar, write
 
 
 def turned_around(folds: list[float], sectors: list[float]) -> np.ndarray:
@@ -86,3 +89,39 @@ def test_sheets_come_to_rest_where_all_springs_are_at_ease(name: str) -> None:
     for joint in mechanism.joints:
         # 0.6 rad at first, and e^(-120 / 6) of it is left.
         assert result.angle(joint.name)[-1] == pytest.approx(joint.rest_angle, abs=1e-5)
+
+
+@pytest.mark.filterwarnings("ignore::lamc.DesignWarning")
+@pytest.mark.parametrize("rings", [3, 5, 9])
+def test_a_ring_around_many_vertices_is_no_loop_though_it_is_as_short(rings: int, tmp_path: Path) -> None:
+    """Eight creases leave the outermost square, and a corner within."""
+    cycles = short_cycles(plan(lamc.load(write(tmp_path / "hypar.fold", hypar(rings)))))
+    assert {cycle.kind for cycle in cycles} == {Kind.SPHERICAL}
+    assert len(cycles) == 4 * (rings - 1) + 1
+    assert max(len(cycle.joints) for cycle in cycles) == 8
+
+
+@needs_cc
+@pytest.mark.filterwarnings("ignore::lamc.DesignWarning")
+@pytest.mark.parametrize("rings", [4, 7, 12])
+@pytest.mark.quick("4", "7")
+def test_a_pleated_square_of_triangles_folds_in_one_way(rings: int, tmp_path: Path) -> None:
+    """Three hinges for each vertex and one more. The rotations at each vertex, by scipy, come to none."""
+    mechanism = lamc.load(write(tmp_path / "hypar.fold", hypar(rings)))
+    simulator = lamc.compile(mechanism)
+    assert simulator.freedoms == 1
+    assert simulator.loops.misfit is None
+    assert len(simulator.branches) > 1
+    result = simulator.run(t_end=0.02)
+    assert result.success
+    tree = plan(mechanism)
+    folds = {joint.name: result.angle(joint.name)[-1] for joint in tree.hinges}
+    assert max(abs(fold) for fold in folds.values()) > 0.5
+    for cycle in short_cycles(tree):
+        joints = [tree.hinges[k] for k in cycle.joints]
+        turns = [
+            Rotation.from_rotvec(sign * folds[j.name] * np.array(j.axis))
+            for sign, j in zip(cycle.signs, joints, strict=True)
+        ]
+        # The tolerance of a run's closure, 1e-12, and a dozen rotations' round-off.
+        assert math.prod(turns[1:], start=turns[0]).magnitude() < 1e-11

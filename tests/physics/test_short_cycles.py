@@ -2,6 +2,7 @@
 spanning tree leaves out meet."""
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -57,9 +58,14 @@ def test_a_basis_is_as_short_as_can_be() -> None:
     """A square net of 4 × 4 nodes has nine faces; a ring of 20 with a chord across has cycles of 11."""
     net = [Edge(4 * i + j, 4 * i + j + 1) for i in range(4) for j in range(3)]
     net += [Edge(4 * i + j, 4 * i + j + 4) for i in range(3) for j in range(4)]
-    assert [len(ring) for ring in shortest_basis(net, range(len(net)))] == [4] * 9
+    assert [len(ring) for ring in shortest_basis(tuple(net), tuple(range(len(net))), alike)] == [4] * 9
     ring = [Edge(k, (k + 1) % 20) for k in range(20)] + [Edge(0, 10)]
-    assert [len(way) for way in shortest_basis(ring, range(21))] == [11, 11]
+    assert [len(way) for way in shortest_basis(tuple(ring), tuple(range(21)), alike)] == [11, 11]
+
+
+def alike(rings: Sequence[tuple[int, ...]]) -> list[int]:
+    """As many equations for each ring."""
+    return [6] * len(rings)
 
 
 @needs_cc

@@ -130,3 +130,24 @@ def kresling(columns: int, rows: int) -> Data:
         if i and j < rows:
             _edge(data, index[i, j], index[i - 1, j + 1], "V")
     return data
+
+
+def hypar(rings: int) -> Data:
+    """Concentric squares, by turns mountains and valleys, in triangles: each ring is parted along its corners and by
+    four undriven lines, which turn the other way round in the next. All of them around the outermost square are as few
+    as the creases of a corner within, eight."""
+    sides = [2.0 * k for k in range(rings, 0, -1)]
+    corners = [(s * x, s * y) for s in sides for x, y in ((1, 1), (-1, 1), (-1, -1), (1, -1))]
+    data = _started([*corners, (0.0, 0.0)], "mm")
+    for ring in range(rings):
+        here = [4 * ring + k for k in range(4)]
+        for k in range(4):
+            kind = "B" if ring == 0 else "MV"[ring % 2]
+            _edge(data, here[k], here[(k + 1) % 4], kind)
+            if ring == rings - 1:
+                _edge(data, here[k], len(corners), "U")
+                continue
+            _edge(data, here[k], here[k] + 4, "VM"[ring % 2])
+            one, other = (here[k], here[(k + 1) % 4]) if (ring + k) % 2 else (here[(k + 1) % 4], here[k])
+            _edge(data, one, other + 4, "U")
+    return data

@@ -246,11 +246,12 @@ def _equations(rings: Sequence[Ring], axes: Array, points: Array, size: float) -
     lengths = np.array([len(ring) for ring in rings])
     for length in sorted(set(lengths.tolist())):
         rows = np.flatnonzero(lengths == length)
-        own = np.array([rings[row] for row in rows])
+        own = np.array([rings[row] for row in rows.tolist()])
         leans = np.abs(np.cross(axes[own], axes[own[:, :1]])).max(axis=(1, 2)) > SAME
         found[rows[~leans]] = Kind.PLANAR.equations
         rows, own = rows[leans], own[leans]
-        centre = np.linalg.solve(across[own].sum(axis=1), feet[own].sum(axis=1)[..., None])
+        # As in `_kind`, lines that are hardly not parallel included, of which any point will do.
+        centre = np.linalg.pinv(across[own].sum(axis=1), hermitian=True) @ feet[own].sum(axis=1)[..., None]
         apart = np.linalg.norm((across[own] @ centre[:, None])[..., 0] - feet[own], axis=2).max(axis=1)
         found[rows[apart <= SAME * size]] = Kind.SPHERICAL.equations
     return found.tolist()

@@ -17,6 +17,8 @@ FAMILIES = 12  # zeros that are no isolated ones which are looked at
 MOST = 32  # branches: a flat sheet of n lines has 2^n
 WAY = 16  # steps from one of them to another, some 0.3 each
 STILL = 1e-14  # of a point of length one: a step of round-off
+# Starts of forms by vertices that lead nowhere: after so many, there are degenerate zeros only, or none.
+IN_VAIN = 8
 FEW_STARTS, FEW_BRANCHES = 32, 8  # of more than FEW_FREE rates: so many starts in all, and so many branches
 
 
@@ -79,8 +81,14 @@ def arrivals(tangents: Tangents, points: Array, fit: Fit, rounds: int = ROUNDS) 
     """The points (s, d) on the sphere that the starts lead to by Gauss-Newton, those that arrive."""
     if tangents.local is not None:
         basis, local = tangents.basis, tangents.local
-        found = [local.nearest(basis, basis @ point, rounds) for point in points]
-        return np.array([rates @ basis for rates in found if rates is not None]).reshape(-1, basis.shape[1])
+        found: list[Array] = []
+        for number, point in enumerate(points):
+            if number == IN_VAIN and not found:
+                break
+            rates = local.nearest(basis, basis @ point, rounds)
+            if rates is not None:
+                found.append(rates @ basis)
+        return np.array(found).reshape(-1, basis.shape[1])
     forms = tangents.forms
     points = points / np.linalg.norm(points, axis=1, keepdims=True)
     settled = _of_many if points.shape[1] > FEW_FREE else _of_few

@@ -28,7 +28,7 @@ STIFFER = 10.0  # than a crease of its length: paper bends along its creases fir
 # 1e-5 of its size has one of 7e-5 and comes apart after 0.03 s, one that is off by 1e-6 runs to its end.
 NEARLY = 1e-5
 STILL = "nothing moves while facets are rigid"
-MOST = 1000  # hinges: of more, it takes too long to find out whether rigid facets move
+MOST = 1500  # hinges: of more, it takes too long to find out whether rigid facets move
 
 
 def obstacle(sheet: Mechanism) -> str:

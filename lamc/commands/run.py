@@ -147,6 +147,7 @@ def _simulate(
         integrator=order.integrator,
         parameters=parameters,
         max_steps=length.steps,
+        until_folded=length.until_folded,
         progress=progress.part,
         energy_balance=order.energy_balance,
     )

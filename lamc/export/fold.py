@@ -46,7 +46,9 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     simulator = compile_design(mechanism, scene)
     length = length_of(None, None, simulator)
     even = np.linspace(0.0, length.t_end, FRAMES) if length.rows(len(simulator.start)) else None
-    result = simulator.run(length.t_end, t_eval=even, max_steps=length.steps)
+    result = simulator.run(
+        length.t_end, t_eval=even, max_steps=length.steps, until_folded=length.until_folded
+    )
     if remark := length.remark(simulator, result):
         warn(remark)
     return result_files(result, options, scene.angles)

@@ -64,7 +64,7 @@ def _run(simulator: Simulator) -> Result:
     length = length_of(None, None, simulator)
     rows = length.rows(len(simulator.start))
     even = np.linspace(0.0, length.t_end, rows) if rows else None
-    return simulator.run(length.t_end, t_eval=even, max_steps=length.steps)
+    return simulator.run(length.t_end, t_eval=even, max_steps=length.steps, until_folded=length.until_folded)
 
 
 def result_show(result: Result, *, live: bool, label: str = "", budget: int = MOST_BYTES) -> Show:

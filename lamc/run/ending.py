@@ -24,6 +24,8 @@ def message(
     status = trajectory.status
     if status == Status.REACHED_END:
         return f"the end was reached {at}"
+    if status == Status.FOLDED:
+        return f"ended {at} of {request.t_end:g} s: {trajectory.note}"
     text = {
         Status.STEP_UNDERFLOW: f"stopped {at}: no step is short enough there; the motion is singular, or a torque "
         "grows without bound",

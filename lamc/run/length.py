@@ -20,11 +20,13 @@ _MANY = (
 
 @dataclass(frozen=True)
 class Length:
-    """t_end: s. steps: that are tried. is_own: they are lamc's choice, and a run that takes them all is a whole one."""
+    """t_end: s. steps: that are tried. is_own: they are lamc's choice, and a run that takes them all is a whole one.
+    until_folded: nobody says how long, so that a sheet is at its end where its fold is over."""
 
     t_end: float
     steps: int
     is_own: bool = False
+    until_folded: bool = False
 
     def rows(self, size: int) -> int:
         """Rows of a table of states of a size where nobody says; 0: one after each step, as rows that are spread over
@@ -33,7 +35,13 @@ class Length:
         return 0 if self.is_own and self.steps <= rows else rows
 
     def remark(self, simulator: Simulator, result: Result) -> str:
-        """That the run took all steps of lamc's choice, and the way out; empty for any other end."""
+        """Why a run of lamc's choice ended before 10 s, and the way out; empty where it did not, or failed."""
+        if result.status == Status.FOLDED:
+            return (
+                "nobody says how long it is to run, and it ends where its fold is over, as nothing keeps facets from "
+                f"passing through one another: --t-end {self.t_end:g}, or a duration in its scene, runs on, and "
+                "joint_limits: {flat_fold: true} stops hinges at ±180°"
+            )
         if not self.is_own or result.status != Status.STEP_LIMIT:
             return ""
         return (
@@ -67,5 +75,5 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
         has_misfit=simulator.loops.accepted_gap > 0.0,
     )
     if steps >= _MANY:
-        return Length(end, MAX_STEPS)
-    return Length(end, steps, is_own=True)
+        return Length(end, MAX_STEPS, until_folded=True)
+    return Length(end, steps, is_own=True, until_folded=True)

@@ -22,6 +22,7 @@ from lamc.run.taping import TapedRun
 
 SLICE = 0.02  # s of wall time; Ctrl-C is answered after one at the latest
 FIRST_BUDGET = 500  # evaluations; even a thousand hinges stay below SLICE with it
+ASKING = 1  # evaluations: a run that may end before is asked after each step, on any machine alike
 EVENTS = 4096  # room for events in a chunk
 NAMES = {number: name for name, number in NUMBERS.items()}
 CHUNK = 2**18  # numbers in a chunk of rows, 2 MiB; C needs longer to fill one than a slice lasts
@@ -146,11 +147,12 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
         raise SimulationError("the integrator refuses these arguments; please report this as a bug of lamc")
     run = engine.run
     first_method, modes = run.method, model.modes(motion)
+    note = ""
     if status == lib.LAMC_OK:
-        status = _advance(model, engine, request)
+        status, note = _advance(model, engine, request)
     if isinstance(engine, TapedRun):
         engine.close()
-    last = _last_row(model, run, ode, request, columns) if status < 0 else None
+    last = _last_row(model, run, ode, request, columns) if status != lib.LAMC_OK else None
     t, q, u, kept_work, along = rows.taken(last)
     first = NAMES[first_method]
     kept = min(int(run.switches), lib.LAMC_SWITCHES_KEPT)
@@ -162,7 +164,7 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
         u=u,
         t_reached=float(run.t),
         status=Status(status),
-        note="",
+        note=note,
         evaluations=int(run.evaluations),
         accepted=int(run.accepted),
         rejected=int(run.rejected),
@@ -242,32 +244,41 @@ class _Differentiated:
 
 def _last_row(model: Model, run: Any, ode: Any, request: Request, columns: int) -> tuple[Array, ...]:
     """Time (1,), state (1, nq + nu), integrals (1, k) and derivatives of the last state that a run reached."""
-    state = model.lib.lamc_run_state(
-        run if model.ffi.typeof(run).kind == "pointer" else model.ffi.addressof(run)
-    )
     known = 0 if run.integrals == model.ffi.NULL else int(ode.integral_count)
-    y = np.array([[state[i] for i in range(len(request.y0))]], dtype=np.float64)
+    y = _state(model, run, len(request.y0)).reshape(1, -1)
     work = np.array([run.integrals[i] for i in range(known)], dtype=np.float64).reshape(1, known)
     unknown = np.full((1, len(request.y0), columns), math.nan)  # of a state where the run failed
     return np.array([float(run.t)]), y, work, unknown
 
 
-def _advance(model: Model, engine: "_Run | _Differentiated | TapedRun", request: Request) -> int:
-    """Slices until the run is over; its last status."""
+def _state(model: Model, run: Any, size: int) -> Array:
+    """The state (size,) where a run stands."""
+    state = model.lib.lamc_run_state(
+        run if model.ffi.typeof(run).kind == "pointer" else model.ffi.addressof(run)
+    )
+    return np.frombuffer(model.ffi.buffer(state, 8 * size)).copy() if size else np.zeros(0)
+
+
+def _advance(model: Model, engine: "_Run | _Differentiated | TapedRun", request: Request) -> tuple[int, str]:
+    """Slices until the run is over; its last status, and why it ended before, where it was asked."""
     lib, run = model.lib, engine.run
-    budget = FIRST_BUDGET
+    budget = FIRST_BUDGET if request.until is None else ASKING
     try:
         while True:
             before, started = run.evaluations, time.perf_counter()
             status = engine.advance(budget)
             if status <= 0:
-                return status
+                return status, ""
             if status == lib.LAMC_OUTPUT_FULL:
                 engine.rows.grow()
+            if request.until is not None and (why := request.until(_state(model, run, len(request.y0)))):
+                return int(Status.FOLDED), why
             if request.progress is not None:
                 request.progress(float(run.t), request.t_end)
+            if request.until is not None:
+                continue
             spent = max(time.perf_counter() - started, 1e-6)
             pace = (run.evaluations - before) / spent  # evaluations per second
             budget = int(min(max(pace * SLICE, 10), 10 * budget))
     except KeyboardInterrupt:
-        return int(Status.CANCELLED)
+        return int(Status.CANCELLED), ""

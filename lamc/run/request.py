@@ -29,9 +29,10 @@ MIN_RTOL = 1e-13  # as in runtime_c/src/run.c: below, the error estimate is roun
 
 
 class Status(IntEnum):
-    """How a run ended: 0 as in `solve_ivp`, negative numbers where it ended early; the numbers of
+    """How a run ended: 0 and 1 as in `solve_ivp`, negative numbers where it failed; but for 1 the numbers of
     `lamc_status`."""
 
+    FOLDED = 1  # before its end, where `until_folded` asked for that
     REACHED_END = 0
     STEP_UNDERFLOW = -1
     NOT_FINITE = -2
@@ -77,6 +78,9 @@ class Request:
     t_start: float = 0.0  # s, of y0
     along: "Along | None" = None  # what the run is differentiated by; None: nothing
     tape: "Tape | None" = None  # what keeps its steps; None: nothing does
+    until: Callable[[Array], str] | None = (
+        None  # asked of a state now and then: why to end there; empty: go on
+    )
 
 
 @dataclass(frozen=True, eq=False)

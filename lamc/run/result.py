@@ -44,7 +44,7 @@ class Result(GivenOut, Viewable, Unchanging):
 
     t, q, u  times (m,), s; coordinates (m, nq) and rates (m, nu), in the order of `coordinates` and `rates`: first
              joint angles, rad, and joint rates, rad/s, in the order of `joints`, and for most scenes nothing else
-    status   how it ended: 0 (`Status.REACHED_END`) or a negative `Status`; every row is good in any case
+    status   how it ended: 0 (`Status.REACHED_END`), 1 (`FOLDED`), or a negative `Status`; every row is good in any case
     message  the same for people
     stats    what it took
     events   limits reached and left, and impacts, in order
@@ -95,8 +95,8 @@ class Result(GivenOut, Viewable, Unchanging):
 
     @property
     def success(self) -> bool:
-        """True if the run reached its end."""
-        return self.status == Status.REACHED_END
+        """True if the run reached its end, or what was to end it."""
+        return self.status >= Status.REACHED_END
 
     @lazy
     def notes(self) -> tuple[str, ...]:

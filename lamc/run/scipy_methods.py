@@ -109,6 +109,9 @@ def _integrated(motion: Motion, request: Request, method: str, variation: Variat
                         variation.after(*before, reached[0], times)
                     if request.progress is not None:
                         request.progress(reached[0], request.t_end)
+                    if request.until is not None and (why := request.until(reached[1])):
+                        status, note = Status.FOLDED, why
+                        break
                 if status != Status.REACHED_END:
                     break
     except KeyboardInterrupt:

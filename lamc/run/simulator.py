@@ -30,6 +30,7 @@ from lamc.run.defaults import DURATION
 from lamc.run.differentiating import Made, with_derivatives
 from lamc.run.evaluations import NO_PARAMETERS
 from lamc.run.extended import Modules
+from lamc.run.folded import fold_over
 from lamc.run.following import with_series
 from lamc.run.model import CompiledModule, DesignNumbers, Motion
 from lamc.run.operating_points import OperatingPoints
@@ -180,6 +181,7 @@ class Simulator(Running, OperatingPoints, Viewable):
         sensitivities: Sequence[str] = (),
         series: "Mapping[str, Series] | None" = None,
         taped: bool = False,
+        until_folded: bool = False,
         books: bool | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
@@ -216,6 +218,10 @@ class Simulator(Running, OperatingPoints, Viewable):
         series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
         taped       whether the steps are kept, for `Result.gradient`, derivatives of a measure by any number of
                     parameters. The first time that takes a compile of its own; the motion is the same to the last bit
+        until_folded  whether the run of a sheet ends, with `Status.FOLDED`, where it is folded flat, all hinges at 0°,
+                    or at ±180° and beyond, to 1°; or where one is 30° beyond ±180°: nothing keeps facets from passing
+                    through one another there. Asked after each step. Of no effect on devices without loops, with bodies
+                    that have no plate, or with parallel axes only; nor on runs to an accuracy, differentiated or taped
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
@@ -230,6 +236,8 @@ class Simulator(Running, OperatingPoints, Viewable):
         with part_told("run", progress) as told:
             asked = (t_end, rtol, atol, t_eval, max_steps, max_step, told)
             request = self._request(*asked, energy_balance=energy_balance)
+            if until_folded and self.cut_joints and not (taped or sensitivities or wanted is not None):
+                request = replace(request, until=fold_over(self.mechanism, self.joints))
             rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
             found = differentiated(self, sensitivities, parameters, rate)
             motion = (

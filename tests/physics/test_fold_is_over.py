@@ -1,0 +1,111 @@
+"""Runs of sheets that end where the fold is over: folded flat, or with facets gone through one another."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import lamc
+from lamc import examples
+from lamc.cli import main
+from lamc.commands.examples import mechanism_of_example
+from lamc.records.mechanism import Mechanism
+from lamc.run.folded import NEAR, THROUGH, fold_over
+from lamc.run.request import Status
+from tests.support.ctools import needs_cc
+from tests.support.fold_corpus import Data, hypar, miura, write
+
+pytestmark = [needs_cc, pytest.mark.filterwarnings("ignore::lamc.DesignWarning")]
+
+
+def resting_flat(data: Data) -> Data:
+    """Creases that rest at ±180 degrees, as drawings of full opacity do."""
+    full = {"M": -180.0, "V": 180.0}
+    return data | {"edges_foldAngle": [full.get(kind) for kind in data["edges_assignment"]]}
+
+
+def load(folder: Path, data: Data) -> Mechanism:
+    sheet = lamc.load(write(folder / "sheet.fold", data))
+    assert isinstance(sheet, Mechanism)
+    return sheet
+
+
+@pytest.mark.parametrize("integrator", ["auto", "radau5", "scipy:DOP853"])
+def test_a_miura_sheet_ends_folded_flat(integrator: str, tmp_path: Path) -> None:
+    simulator = lamc.compile(load(tmp_path, resting_flat(miura(4, 3))))
+    ended = simulator.run(t_end=10.0, until_folded=True, integrator=integrator)
+    assert ended.status == Status.FOLDED
+    assert ended.success
+    assert "folded flat" in ended.message
+    angles = np.array([ended.angle(name)[-1] for name in ended.hinges])
+    assert np.abs(angles).min() >= math.pi - NEAR
+    before = np.array([ended.angle(name)[-2] for name in ended.hinges])
+    assert np.abs(before).min() < math.pi - NEAR
+    again = simulator.run(t_end=10.0, until_folded=True, integrator=integrator)
+    assert again.stats.evaluations == ended.stats.evaluations
+    assert np.array_equal(again.y, ended.y)
+    # It is the motion that it would be, up to there.
+    as_far = simulator.run(t_end=10.0, integrator=integrator, max_steps=ended.stats.steps)
+    assert as_far.status == Status.STEP_LIMIT
+    assert np.array_equal(as_far.y, ended.y)
+
+
+def test_a_fold_that_goes_through_itself_ends(tmp_path: Path) -> None:
+    """The inner rings of a pleated square, which nothing stops."""
+    simulator = lamc.compile(load(tmp_path, resting_flat(hypar(7))))
+    ended = simulator.run(t_end=10.0, until_folded=True)
+    assert ended.status == Status.FOLDED
+    assert "gone through one another" in ended.message
+    farthest = max(abs(ended.angle(name)[-1]) for name in ended.hinges)
+    assert farthest > math.pi + THROUGH
+    assert any("went through ±180°" in note for note in ended.notes)
+
+
+def test_what_is_no_sheet_is_never_asked() -> None:
+    """A planar four-bar passes positions in one line in the middle of its motion; a pendulum has no plates there."""
+    for name in ("four_bar", "pendulum"):
+        mechanism = mechanism_of_example(examples.find(name))
+        assert fold_over(mechanism, [joint.name for joint in mechanism.joints]) is None
+
+
+def test_the_question_that_is_asked_of_states() -> None:
+    sheet = mechanism_of_example(examples.find("miura:2x2"))
+    names = [joint.name for joint in sheet.joints]
+    over = fold_over(sheet, names)
+    assert over is not None
+    count = len(names)
+    state = np.zeros(2 * count)
+    assert over(state) == ""
+    state[count:] = 50.0  # rates
+    assert over(state) == ""
+    state[:count] = [math.pi - 0.9 * NEAR, *[-math.pi] * (count - 1)]
+    assert "folded flat" in over(state)
+    state[0] = math.pi + 20.0 * NEAR  # passed within a step
+    assert "folded flat" in over(state)
+    state[0] = math.pi - 1.1 * NEAR
+    assert over(state) == ""
+    state[:2] = -math.pi - 1.01 * THROUGH, 1.0
+    assert repr(names[0]) in over(state)
+
+
+def test_a_command_that_nobody_gives_a_length_ends_there_and_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    write(Path("sheet.fold"), resting_flat(miura(3, 3)))
+
+    def run(*words: str) -> tuple[int, dict[str, object]]:
+        done = CliRunner().invoke(main, ["run", "sheet.fold", "--no-pictures", "--out", "o", *words])
+        return done.exit_code, json.loads(Path("o/manifest.json").read_text(encoding="utf-8"))
+
+    code, manifest = run()
+    assert code == 0
+    assert manifest["status"] == "folded"
+    (note,) = [note for note in manifest["notes"] if "nobody says" in note]  # type: ignore[attr-defined]
+    assert "--t-end 10" in note
+    assert "flat_fold" in note
+    code, manifest = run("--t-end", "0.05")
+    assert (code, manifest["status"]) == (0, "reached_end")

@@ -56,11 +56,11 @@ class AngleTable:
             chosen = range(k * self.lines, min((k + 1) * self.lines, len(self.hinges)))
             x = left + k * block
             names = [f"{n + 1}  {shortened(self.hinges[n], 16)}" for n in chosen]
-            self._column(axis, x, ["hinge", *names], "left")
+            self._column(axis, x, ["hinge  (at t, s)", *names], "left")
             for column, time in enumerate(self.times):
                 cells = [f"{round(self.degrees[n][column], 1) + 0.0:.1f}°" for n in chosen]
                 right = x + block * (_NAME + _CELL * (column + 1)) - 10
-                self._column(axis, right, [f"{time:.3g} s", *cells], "right")
+                self._column(axis, right, [f"{time:.3g}", *cells], "right")
         if self.left_out:
             text = f"and {self.left_out} more, which move less: see the table of results"
             axis.text(

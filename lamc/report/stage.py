@@ -106,7 +106,12 @@ class Stage:
         self._drawn = np.array([b.com for b in mechanism.bodies])
         self._oversampling = oversampling
         spans = np.linalg.norm(np.diff(self.solid.hinges.segments, axis=1), axis=2)
-        self._hinge_length = float(np.median(spans)) if spans.size else 0.0  # m
+        # m: of a sheet of square facets, their sides
+        area = sum(
+            max((slab.polygon.area for slab in body.outline), default=0.0) for body in mechanism.bodies
+        )
+        apart = 2.0 * area / float(spans.sum()) if area and spans.sum() else np.inf
+        self._hinge_length = min(float(np.median(spans)), apart) if spans.size else 0.0
         self._gather()
         self._colours = _rgb(mechanism)
         above = np.concatenate([self._outline(k) for k in range(len(poses.t))])
@@ -215,7 +220,7 @@ class Stage:
         edges = np.tile(np.array(_EDGE, dtype=np.uint8), (len(solid.edges.segments), 1))
         canvas.lines(self.project(instant, solid.edges), edges, width=0.8, bias=1.5)
         hinges = np.tile(np.array(HINGE, dtype=np.uint8), (len(solid.hinges.segments), 1))
-        # Hinge lines lie at the mid-plane, inside the material; they are shown through it, and short ones thinner.
+        # Hinge lines lie at the mid-plane, inside the material; they are shown through it, short or close ones thinner.
         width = float(np.clip(self._hinge_length * self.camera.scale / 16, 0.5, 1.8))
         canvas.lines(self.project(instant, solid.hinges), hinges, width=width, bias=np.inf)
 

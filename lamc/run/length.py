@@ -16,6 +16,7 @@ from lamc.run.simulator import Simulator
 _MANY = (
     20_000  # steps; a device that does not come to 10 s in so many is stuck, and has failed when it gives up
 )
+_PATIENCE = 5  # times the counted steps: of small loops, which are not stuck after as many, 20 s of work
 
 
 @dataclass(frozen=True)
@@ -75,5 +76,5 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
         has_misfit=simulator.loops.accepted_gap > 0.0,
     )
     if steps >= _MANY:
-        return Length(end, MAX_STEPS, until_folded=True)
+        return Length(end, min(MAX_STEPS, _PATIENCE * steps), until_folded=True)
     return Length(end, steps, is_own=True, until_folded=True)

@@ -113,3 +113,15 @@ def test_a_run_that_short_steps_end_names_what_loops_fit_by_and_the_way_out(
     assert "its loops close only within" in rigid
     assert "--facets bend" in rigid
     assert "close only" not in str(note())
+
+
+def test_a_small_device_that_is_stuck_gives_up_after_five_times_the_counted_work(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """It has failed: nobody would take what there is for its motion."""
+    monkeypatch.setattr(defaults, "_MOST_WORK", 40 * 12 * 3 * 25)
+    monkeypatch.setattr(length, "_MANY", 20)
+    done, manifest = run()
+    assert done.exit_code == 3
+    assert manifest["ok"] is False
+    assert manifest["stats"]["steps"] == 5 * 25  # type: ignore[index]

@@ -42,6 +42,7 @@ _SLIVER = 1e-2  # of the smaller facet: rounded corners of a folded sheet leave 
 HAND = (0.02, 2.0)
 USUAL = 0.1  # m, the longer side of a sheet then
 OFF = 1e-3  # of the sheet's size: loops of a drawn sheet that close so far are meant to close, and paper yields more
+MOST_LOCKED = 0.5  # of the creases: beyond, what rigid facets fold is not what is drawn
 _TURNED = 1e-6  # rad: less is round-off of a flat sheet's corners
 
 
@@ -50,12 +51,13 @@ def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple
 
     Raises DesignError with edge, face or vertex for what cannot be.
     """
-    made, notes = _Sheet(frame, options).mechanism(stem)
+    sheet = _Sheet(frame, options)
+    made, notes = sheet.mechanism(stem)
     if frame.own or options.facets == "rigid":
         return made, notes
     if options.facets == "bend":
         return _bending(frame, options).mechanism(stem)
-    why = obstacle(made) if any(kind in CREASED for kind in frame.kinds) else ""
+    why = (obstacle(made) or sheet.locked_most) if any(kind in CREASED for kind in frame.kinds) else ""
     if not why:
         return made, notes
     bent, told = _bending(frame, options).mechanism(stem)
@@ -112,6 +114,7 @@ class _Sheet:
         self.points = frame.vertices * unit_of(frame, options, self.notes)
         used = self.points[np.unique(np.array(frame.edges))]
         self.size = float(np.linalg.norm(np.ptp(used, axis=0))) or 1.0
+        self.locked_most = ""  # why rigid facets leave too little of the fold; empty: they do not
 
     def mechanism(self, stem: str) -> tuple[Mechanism, list[str]]:
         facets = self.facets()
@@ -211,6 +214,9 @@ class _Sheet:
         """Facets stay one body along creases that cannot fold."""
         locked = locked_creases(self.frame, joined, self.points[:, :2])
         told = [k for k in locked if self.frame.kinds[k] != FACET]
+        drawn = sum(self.frame.kinds[k] in CREASED for k in joined)
+        if len(told) > MOST_LOCKED * drawn:
+            self.locked_most = f"rigid facets would stay flat along {len(told)} of {drawn} creases"
         if told:
             self.notes.append(
                 f"{self.frame.told(told)}: no hinge, as at one end all creases lie to one side of a line, and rigid "

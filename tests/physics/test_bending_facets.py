@@ -152,3 +152,26 @@ def test_loops_of_a_sheet_may_be_off_by_a_thousandth_of_its_size(tmp_path: Path)
 def test_other_words_for_facets_are_refused(tmp_path: Path) -> None:
     with pytest.raises(DesignError, match="'rigid' or 'bend'"):
         lamc.load(quads(tmp_path, 0.0), facets="soft")  # type: ignore[arg-type]
+
+
+def test_facets_bend_where_rigid_ones_would_stay_flat_along_most_creases(tmp_path: Path) -> None:
+    """Three creases that leave a vertex to one side, which rigid facets lock, and a flap at a corner, which turns."""
+    rim = [(0, 0), (40, 0), (60, 0), (60, 20), (60, 60), (30, 60), (0, 60), (0, 40)]
+    data = {
+        "file_spec": 1.1,
+        "frame_unit": "mm",
+        "vertices_coords": [*rim, (30, 30)],
+        "edges_vertices": [*[(k, (k + 1) % 8) for k in range(8)], (1, 3), (8, 4), (8, 5), (8, 7)],
+        "edges_assignment": [*"BBBBBBBB", "V", "M", "V", "M"],
+        "edges_foldAngle": [*8 * [None], 40, -30, 30, -30],
+    }
+    path = tmp_path / "locked.fold"
+    path.write_text(json.dumps(data))
+    rigid, _ = read(path, facets="rigid")
+    assert [joint.name for joint in rigid.joints] == ["E8"]
+    bent, told = read(path)
+    assert {"E8", "E9", "E10", "E11"} < {joint.name for joint in bent.joints}
+    assert any("rigid facets would stay flat along 3 of 4 creases" in each for each in told)
+    result = lamc.compile(bent).run(t_end=0.05)
+    assert result.success
+    assert max(abs(result.angle(name)).max() for name in ("E9", "E10", "E11")) > 0.1

@@ -9,8 +9,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from lamc.basics._version import __version__
 from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.files import write_text
@@ -136,18 +134,14 @@ def _ending(result: Result, folder: Path, terminal: Terminal, *, interrupted: bo
 def _simulate(
     order: RunOrder, length: Length, simulator: Simulator, parameters: dict[str, float], progress: Progress
 ) -> Result:
-    points = length.rows(len(simulator.start)) if order.points is None else order.points
-    spread = points and np.isfinite(length.t_end) and length.t_end > 0.0
-    return simulator.run(
-        t_end=length.t_end,
+    return length.run(
+        simulator,
+        length.rows(len(simulator.start)) if order.points is None else order.points,
         rtol=order.rtol,
         atol=order.atol,
         accuracy=None if order.accuracy is None else share_of(order.accuracy, "--accuracy"),
-        t_eval=np.linspace(0.0, length.t_end, points) if spread else None,
         integrator=order.integrator,
         parameters=parameters,
-        max_steps=length.steps,
-        until_folded=length.until_folded,
         progress=progress.part,
         energy_balance=order.energy_balance,
     )

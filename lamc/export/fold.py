@@ -45,10 +45,7 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     _Sheet(mechanism, lossy=options.lossy)  # what cannot be is told before it runs
     simulator = compile_design(mechanism, scene)
     length = length_of(None, None, simulator)
-    even = np.linspace(0.0, length.t_end, FRAMES) if length.rows(len(simulator.start)) else None
-    result = simulator.run(
-        length.t_end, t_eval=even, max_steps=length.steps, until_folded=length.until_folded
-    )
+    result = length.run(simulator, FRAMES if length.rows(len(simulator.start)) else 0)
     if remark := length.remark(simulator, result):
         warn(remark)
     return result_files(result, options, scene.angles)

@@ -10,8 +10,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from lamc.basics.errors import LamcError
 from lamc.basics.files import checked_path
 from lamc.codegen.names import identifier
@@ -62,9 +60,7 @@ def show_of(record: Any, *, live: bool, label: str = "", budget: int = MOST_BYTE
 def _run(simulator: Simulator) -> Result:
     """A run as `lamc run` makes it."""
     length = length_of(None, None, simulator)
-    rows = length.rows(len(simulator.start))
-    even = np.linspace(0.0, length.t_end, rows) if rows else None
-    return simulator.run(length.t_end, t_eval=even, max_steps=length.steps, until_folded=length.until_folded)
+    return length.run(simulator, length.rows(len(simulator.start)))
 
 
 def result_show(result: Result, *, live: bool, label: str = "", budget: int = MOST_BYTES) -> Show:

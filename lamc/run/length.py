@@ -5,9 +5,13 @@ looks at a clock, so that a run ends alike on every machine.
 """
 
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from lamc.loops.misfit import length
 from lamc.loops.texts import MAY_BEND, ROUND_OFF
+from lamc.records.mechanism import Array
 from lamc.run.defaults import DURATION, MAX_STEPS, default_rows, default_steps
 from lamc.run.request import Status
 from lamc.run.result import Result
@@ -35,6 +39,16 @@ class Length:
         rows = default_rows(self.t_end, size)
         return 0 if self.is_own and self.steps <= rows else rows
 
+    def run(self, simulator: Simulator, rows: int, **arguments: Any) -> Result:
+        """A run of this length with so many rows, evenly spread over what there is of it; 0: one after each step. A
+        fold that is over before its end is run once more, step by step the same, for rows that show it. arguments: as
+        for `Simulator.run`."""
+        limits: dict[str, Any] = {"max_steps": self.steps, "until_folded": self.until_folded}
+        result = simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **limits, **arguments)
+        if result.status != Status.FOLDED or not rows:
+            return result
+        return simulator.run(self.t_end, t_eval=_even(float(result.t[-1]), rows), **limits, **arguments)
+
     def remark(self, simulator: Simulator, result: Result) -> str:
         """Why a run of lamc's choice ended before 10 s, and the way out; empty where it did not, or failed."""
         if result.status == Status.FOLDED:
@@ -51,6 +65,10 @@ class Length:
             f"{self.t_end:g} s; --t-end {self.t_end:g}, or a duration in its scene, runs to there however long that "
             f"takes, and a looser --rtol takes longer steps{_of_misfit(simulator)}"
         )
+
+
+def _even(end: float, rows: int) -> Array | None:
+    return np.linspace(0.0, end, rows) if rows and 0.0 < end < np.inf else None
 
 
 def _of_misfit(simulator: Simulator) -> str:

@@ -161,7 +161,7 @@ def _trajectory(
     t_reached, y_reached = reached
     t = np.concatenate([np.zeros(0), *output.t])
     y = np.concatenate([np.zeros((0, len(y_reached))), *output.y])[: len(t)]
-    if status < 0 and (not len(t) or t_reached > t[-1]):
+    if status != Status.REACHED_END and (not len(t) or t_reached > t[-1]):
         t, y = np.append(t, t_reached), np.vstack([y, y_reached])
     q, u = y[:, :nq].copy(), y[:, nq:].copy()
     return Trajectory(

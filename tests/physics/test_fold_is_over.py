@@ -48,6 +48,10 @@ def test_a_miura_sheet_ends_folded_flat(integrator: str, tmp_path: Path) -> None
     assert again.stats.evaluations == ended.stats.evaluations
     assert np.array_equal(again.y, ended.y)
     # It is the motion that it would be, up to there.
+    rows = np.linspace(0.0, float(ended.t[-1]), 11)
+    spread = simulator.run(t_end=10.0, until_folded=True, integrator=integrator, t_eval=rows)
+    assert (spread.status, len(spread.t)) == (Status.FOLDED, 11)
+    assert np.array_equal(spread.y[:, -1], ended.y[:, -1])
     as_far = simulator.run(t_end=10.0, integrator=integrator, max_steps=ended.stats.steps)
     assert as_far.status == Status.STEP_LIMIT
     assert np.array_equal(as_far.y, ended.y)
@@ -104,8 +108,17 @@ def test_a_command_that_nobody_gives_a_length_ends_there_and_says_so(
     code, manifest = run()
     assert code == 0
     assert manifest["status"] == "folded"
+    assert manifest["rows"] == 2001  # over what there is of it
     (note,) = [note for note in manifest["notes"] if "nobody says" in note]  # type: ignore[attr-defined]
     assert "--t-end 10" in note
     assert "flat_fold" in note
     code, manifest = run("--t-end", "0.05")
     assert (code, manifest["status"]) == (0, "reached_end")
+    made = CliRunner().invoke(main, ["export", "sheet.fold", "--to", "fold", "--out", "f"])
+    assert made.exit_code == 0, made.output
+    (file,) = Path("f").glob("*.fold")
+    frames = json.loads(file.read_text(encoding="utf-8"))["file_frames"]
+    assert len(frames) == 61
+    folds = [max(abs(a) for a in f["edges_foldAngle"] if a is not None) for f in frames]
+    assert folds[0] < 1.0
+    assert folds[40] < 179.0 <= folds[-1]

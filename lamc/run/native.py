@@ -263,6 +263,7 @@ def _advance(model: Model, engine: "_Run | _Differentiated | TapedRun", request:
     """Slices until the run is over; its last status, and why it ended before, where it was asked."""
     lib, run = model.lib, engine.run
     budget = FIRST_BUDGET if request.until is None else ASKING
+    told = time.perf_counter()
     try:
         while True:
             before, started = run.evaluations, time.perf_counter()
@@ -273,12 +274,12 @@ def _advance(model: Model, engine: "_Run | _Differentiated | TapedRun", request:
                 engine.rows.grow()
             if request.until is not None and (why := request.until(_state(model, run, len(request.y0)))):
                 return int(Status.FOLDED), why
-            if request.progress is not None:
+            now = time.perf_counter()
+            if request.progress is not None and (request.until is None or now - told >= SLICE):
                 request.progress(float(run.t), request.t_end)
-            if request.until is not None:
-                continue
-            spent = max(time.perf_counter() - started, 1e-6)
-            pace = (run.evaluations - before) / spent  # evaluations per second
-            budget = int(min(max(pace * SLICE, 10), 10 * budget))
+                told = now
+            if request.until is None:
+                pace = (run.evaluations - before) / max(now - started, 1e-6)  # evaluations per second
+                budget = int(min(max(pace * SLICE, 10), 10 * budget))
     except KeyboardInterrupt:
         return int(Status.CANCELLED), ""

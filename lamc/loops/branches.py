@@ -6,7 +6,8 @@ Branches are the common zeros of the quadratic forms of the second order (`tange
 all are looked for, but those near the rates that loads ask for are.
 """
 
-from collections.abc import Callable, Mapping
+import itertools
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ import numpy as np
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.loops.closing import CLOSED, SOLVE, settle
 from lamc.loops.geometry import LoopGeometry
+from lamc.loops.least_constraint import least_constrained
 from lamc.loops.tangents import EXACTLY, FEW_FREE, Fit, Tangents, tangents
 from lamc.loops.walks import walk
 from lamc.loops.zeros import MOST, arrivals, binary, spherical, usual
@@ -24,6 +26,14 @@ OUT = 1e-3  # rad, of the joint that turns most: how far a start is moved out of
 BENDS = (
     50.0  # 1/rad: a branch bends by some radians per square radian; farther from the tangent is another one
 )
+FAINT = (
+    1e-5  # of the largest singular value: of loops that hold as little, accelerations have some six digits
+)
+FARTHEST = (
+    0.05  # rad, of the joint that turns most: how far a start is moved for that, by at most so many steps
+)
+MOST_STEPS = 12
+BENT = 0.1  # of such a step: what is farther from the tangent is another motion
 ASKED = 4  # directions about those that loads ask for, where not all branches are known
 ABOUT = 0.3  # of each rate: as far apart are these, so that what is alike in two creases does not stay so
 CORNERS = 8  # such directions that are tried where a zero is a corner of its family
@@ -73,7 +83,9 @@ def find_branches(
         key=lambda b: (b.freedoms, [round(r, digits) + 0.0 for r in b.rates.values()]),
     )
     if led is not None and (size > FEW_FREE or len(solutions) >= MOST):
-        asked = _followed(geometry, angles, local, _near(local, led, fit), fit)
+        pushed = itertools.islice(_pushed(geometry, angles, local, led, fit), 1)
+        near = [(x, local.freedoms(x, fit.family)) for x in pushed]
+        asked = _followed(geometry, angles, local, near + _near(local, led, fit), fit)
         found += [branch for branch in asked if not any(_are_same(branch, other, fit) for other in found)]
     return tuple(found)
 
@@ -88,6 +100,14 @@ def _followed(
         for rates, freedoms in rows
         if _leads_out(geometry, angles, rates, fit)
     ]
+
+
+def _pushed(
+    geometry: LoopGeometry, angles: Array, tangents: Tangents, led: Array, fit: Fit
+) -> Iterator[Array]:
+    """Zeros (d,) on which loads do much work."""
+    inertia = geometry.inertia(angles, tangents.basis.T)
+    return least_constrained(tangents, inertia, led, fit)
 
 
 def _near(tangents: Tangents, led: Array, fit: Fit) -> list[tuple[Array, int]]:
@@ -123,8 +143,9 @@ def _one_of_many(
     free = basis.shape[1]
     usual_freedoms = max(1, free - len(local.joints)) if rank is None else basis.shape[0] - rank
     corners: list[tuple[int, Array]] = []
-    for wanted in [*asked, *local.random]:
-        rates = local.nearest(basis, wanted)
+    pushed = iter(()) if led is None else _pushed(geometry, angles, tangents, led, EXACTLY)
+    near = (local.nearest(basis, wanted) for wanted in [*asked, *local.random])
+    for rates in itertools.chain((basis @ x for x in pushed), near):
         if rates is None:
             continue
         freedoms = local.freedoms(basis, rates, EXACTLY.family)
@@ -172,6 +193,28 @@ def moved_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit = EX
         return None
     places = walk(geometry, angles, rates, fit.weak, 1)  # farther out, where less is left of a misfit
     return places[0].angles if places else None
+
+
+def clear_of(geometry: LoopGeometry, angles: Array, place: Array) -> Array:
+    """From a place (n,) beside a singular position on along its motion, until the closure is not as weak as next to
+    that, or FARTHEST from there: of sheets of hundreds of creases, some vertices hardly fold while others do, and their
+    equations are round-off."""
+    way, step, free = place - angles, OUT, geometry.linear(place).nullity()
+    for _ in range(MOST_STEPS):
+        linear = geometry.linear(place)
+        motions, far = linear.free(), float(np.abs(place - angles).max())
+        if len(motions) != free or linear.weak[0][free] >= FAINT or far > 0.9 * FARTHEST:
+            break
+        ahead = motions.T @ (motions @ way)
+        ahead *= min(step, FARTHEST - far) / np.abs(ahead).max()
+        held = int(np.argmax(np.abs(ahead)))
+        following, error = settle(geometry, place + ahead, np.arange(len(place)) != held, SOLVE)
+        near = np.abs(following - place - ahead).max() < BENT * np.abs(ahead).max()
+        if error <= CLOSED and near:
+            way, place, step = following - place, following, 2.0 * step
+        else:
+            step *= 0.5
+    return place
 
 
 def _normalised(rates: Array, order: list[int], same: float) -> Array:

@@ -107,6 +107,26 @@ class LoopGeometry:
             shift[index] = rotation[inner] @ shifts[index] + shift[inner]
         return Poses(rotation, shift)
 
+    def inertia(self, angles: Array, rates: Array) -> Array:
+        """Inertia (s, s), kg·m², of all bodies for motions with given rates, rows (s, n) that hold the loops: twice the
+        kinetic energy of the rates x @ rates is x·inertia·x. What effects add to bodies is left out."""
+        poses = self.poses(angles)
+        count, near = self.tree_count, self.near[: self.tree_count]
+        axis = np.einsum("jab,jb->ja", poses.rotation[near], self.axis[:count])
+        point = np.einsum("jab,jb->ja", poses.rotation[near], self.point[:count]) + poses.shift[near]
+        screws = np.concatenate([axis, np.cross(point, axis)], axis=1)  # velocity of what is at the origin
+        twists = np.zeros((count + 1, 6, len(rates)))
+        for index in range(count):
+            twists[index] = twists[near[index]] + np.outer(screws[index], rates[:, index])
+        total = np.zeros((len(rates), len(rates)))
+        for index, link in enumerate(self.tree.links):
+            rotation, (angular, linear) = poses.rotation[index], np.split(twists[index], 2)
+            com = rotation @ link.body.com + poses.shift[index]
+            velocity = linear + np.cross(angular, com, axisa=0, axisc=0)
+            about = rotation @ link.body.inertia @ rotation.T
+            total += link.body.mass * velocity.T @ velocity + angular.T @ about @ angular
+        return total
+
     def gaps(self, angles: Array) -> Array:
         """Gap of each cut hinge, (loops,), m: the distance between its two sides' points, or the size times the
         angle between their axes, whichever is larger."""

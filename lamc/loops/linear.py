@@ -30,6 +30,7 @@ BLOCK = 8  # vectors of inverse iteration, to begin with
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
 WEAK = 3e-3  # of the largest singular value: in large matrices, smaller ones are looked for
 EXACT = 1e-11  # likewise: below it a closure matrix has round-off only
+FEW_ROWS = 700  # that hold something: of so many the squared matrix is decomposed in a tenth of a second
 NOTHING = (
     1e-12  # entries that are round-off of zero, beside those of one, on a sheet of hundreds of facets across
 )
@@ -95,7 +96,8 @@ class Linear:
             for _ in range(ROUNDS):
                 pushed = self._factors.solve(np.vstack([block, np.zeros((len(self.used), size))]))
                 block = np.linalg.qr(pushed[: self.count])[0]
-            _, found, mixed = np.linalg.svd(self.matrix @ block, full_matrices=False)
+            held = self.matrix @ block
+            _, found, mixed = np.linalg.svd(held, full_matrices=held.shape[0] < size)
             values = np.concatenate([np.zeros(size - len(found)), found[::-1] / self.scale])
             block = block @ mixed[::-1].T
             if values[-1] > WEAK or size == self.count:
@@ -134,8 +136,16 @@ class Linear:
 
     def amid(self, nullity: int) -> float:
         """A cutoff between the first `nullity` singular values and the next: their geometric mean."""
-        values = np.concatenate([[EXACT], np.maximum(self.weak[0], EXACT), [1.0]])
+        values = np.concatenate([[EXACT], np.maximum(self._weakest, EXACT), [1.0]])
         return float(np.sqrt(values[nullity] * values[nullity + 1])) if nullity < len(values) - 1 else 1.0
+
+    @property
+    def _weakest(self) -> Array:
+        """As `weak`, the values only, where digits below 1e-8 do not matter."""
+        if self.is_small or self._squared is None:
+            return self.weak[0]
+        zeros = np.zeros(max(0, self.count - len(self.used)))
+        return np.concatenate([zeros, self._squared[0]])
 
     def free(self, cutoff: float = EXACT) -> Array:
         """(d, n): rates that the matrix leaves free, orthonormal rows."""
@@ -161,11 +171,39 @@ class Linear:
             left, values, right = self.dense
             kept = np.count_nonzero(values > cutoff * self.scale)
             return np.asarray((goal @ left[:, :kept] / values[:kept]) @ right[:kept])
+        if cutoff > DAMPING and self._squared is not None:
+            return self._least_of_strong(goal, cutoff)
         found = self._damped(goal)
         found = found + self._damped(goal - self.matrix @ found)
         if cutoff > DAMPING:
             weak = self.free(cutoff)
             found = found - weak.T @ (weak @ found)
+        return np.asarray(found)
+
+    @cached_property
+    def _squared(self) -> tuple[Array, Array] | None:
+        """Eigenvalues, as singular values (k,) relative to the largest, ascending, and eigenvectors (k, k) by columns
+        of J^T J, or of J J^T where the rows that hold something are fewer; None where both are many. Values below
+        1e-8 are round-off."""
+        rows = self.matrix[self.used]
+        square = rows.T @ rows if len(self.used) > self.count else rows @ rows.T
+        if square.shape[0] > FEW_ROWS:
+            return None
+        values, vectors = np.linalg.eigh(square.toarray())
+        return np.sqrt(np.maximum(values, 0.0)) / self.scale, vectors
+
+    def _least_of_strong(self, goal: Array, cutoff: float) -> Array:
+        """`least_change` by the squared matrix, twice: the second time mends the digits."""
+        assert self._squared is not None
+        rows, (values, vectors) = self.matrix[self.used], self._squared
+        kept = vectors[:, values > cutoff]
+        weights = (self.scale * values[values > cutoff]) ** -2
+        found, left = np.zeros(self.count), goal[self.used]
+        for _ in range(2):
+            by_rows = len(self.used) <= self.count
+            parts = kept @ (weights * (kept.T @ (left if by_rows else rows.T @ left)))
+            found = found + (rows.T @ parts if by_rows else parts)
+            left = goal[self.used] - rows @ found
         return np.asarray(found)
 
     def _damped(self, goal: Array) -> Array:

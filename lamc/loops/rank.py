@@ -33,6 +33,9 @@ from lamc.records.mechanism import Array
 # drawing is meant to be off by more than a thousandth of its size.
 TOLERANCE, ROUNDED, MOST_ROUNDED = 1e-4, 1.5e-5, 1e-3  # of the size; m; of the size
 MARGIN = 10.0  # times the largest singular value of a misfit is one of no misfit's
+# 1/rad: singular values of the second order are some tenths of the distance from a singular position, those of a misfit
+# some hundredths of it where that has been left by more than the drawing is off
+RISING = 0.05
 
 
 @dataclass(frozen=True)
@@ -185,6 +188,8 @@ def _nearly(
         rank = size - nullity(clear)
         if rank == size:
             continue
+        if exact.is_singular and _rises(found, start, size - rank):
+            continue
         misfit = measure_misfit(geometry, found.places, rank)
         weakest = max(float(place.weak[: size - rank].max(initial=0.0)) for place in found.places)
         cutoff = min(SMALL, math.sqrt(weakest * clear.clearness(size - rank)), MARGIN * weakest)
@@ -193,6 +198,15 @@ def _nearly(
             return best
     # What is nearly so, and is not accepted, is no matter where loops move exactly as well.
     return none if exact.moves and not exact.is_suspect else best
+
+
+def _rises(found: Survey, start: Array, nullity: int) -> bool:
+    """Whether the `nullity` weakest equations at the places of a walk hold the more the farther these are from its
+    singular start: they are of the second order then, and no misfit, which is there from the start."""
+    return all(
+        float(place.weak[nullity - 1]) > RISING * float(np.abs(place.angles - start).max())
+        for place in found.places
+    )
 
 
 def check_freedom(count: LoopCount) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
-from lamc.loops.branches import Branch, Lead, find_branches, moved_out
+from lamc.loops.branches import Branch, Lead, clear_of, find_branches, moved_out
 from lamc.loops.closing import ARRIVED, CLOSED, Mask, approach, settle, settle_all
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.leading import led_along
@@ -230,6 +230,8 @@ class Starter:
                     f"branch {number} leads nowhere: the loops fit badly, and close on its other side only; choose "
                     f"{-number}"
                 )
+            if self.size > LARGE and not self.count.accepted_gap:
+                place = clear_of(self.geometry, angles, place)
             return place, np.zeros(self.size)
         rates = self._scaled(way, given)
         if rates is None:

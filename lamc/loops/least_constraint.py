@@ -1,0 +1,139 @@
+"""Of all ways out of a singular position the one that loads take from rest, where there is a family of them.
+
+In: the second order there (`tangents`), the inertia of its free rates, and the rates that loads ask for. Out: rates
+that the second order allows. Never: knows what loads there are; follows a motion.
+
+From rest a mechanism accelerates as near to what loads ask for, by kinetic energy, as its joints allow (C. F. Gauss,
+"On a new general principle of mechanics", 1829). Here they allow a cone, the zeros of the forms, and the nearest of it
+is where loads do most work: p / √I of `pushed`. Nearest in a neighbourhood are very many, as each vertex has folds of
+its own. So the forms are springs at first, as if the sheet stretched, which get stiffer until they hold: all creases of
+a Miura sheet fold as they rest then, though a fold along a straight line may have a little more work done on it
+(graduated optimisation: A. Blake and A. Zisserman, "Visual reconstruction", 1987).
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from lamc.loops.tangents import Fit, Tangents
+from lamc.loops.zeros import arrivals
+from lamc.records.mechanism import Array
+
+SOFTEST, STIFFEST = 1.0, 1e6  # of the springs, where inertia counts one: the last leaves forms at some 1e-4
+STAGES = 8  # from one to the other
+ROUNDS = 4  # of Newton's method at each
+MOST_ROUNDS = 16  # of the ascent along the cone
+GAIN = 1e-4  # of the work: a round that gains less is the last
+SAMPLES = 4  # rows by which the sizes of forms are told
+SINGULAR = 1e-14  # of the largest: forms that depend on one another are solved for all the same
+DAMPED = 1e-3  # of the diagonal: where Newton's method begins
+SHORTEST = 1e-3  # of a step along the cone
+BESIDE = (
+    0.0,
+    0.1,
+    0.1,
+    0.3,
+    0.3,
+)  # of the size of what is asked for: what is alike in two creases does not stay so
+
+
+def least_constrained(tangents: Tangents, inertia: Array, asked: Array, fit: Fit) -> Iterator[Array]:
+    """Zeros (d,) of length one of all forms, near to the rates (n,) that loads ask for, by the inertia (d, d) of the
+    free rates: where these lead, and then where rates a little beside them do. None where the inertia is singular, or
+    nothing is asked for."""
+    try:
+        upper = np.linalg.cholesky(inertia).T
+    except np.linalg.LinAlgError:
+        return
+    by_energy = np.linalg.inv(upper)  # rates are by_energy @ y, and |y|² is twice the kinetic energy
+    wanted = upper @ (tangents.basis.T @ asked)
+    size, free = float(np.linalg.norm(wanted)), len(wanted)
+    if not size > 0.0:
+        return
+    wanted = wanted / size
+    cone = _Cone(tangents, np.asarray(upper), np.asarray(by_energy), fit)
+    random = np.random.default_rng(20261128)
+    for beside in BESIDE:
+        found = cone.arrived(_softly(cone, wanted + beside / np.sqrt(free) * random.normal(size=free)))
+        if found is not None:
+            rates = by_energy @ _raised(cone, wanted, found)
+            yield rates / np.linalg.norm(rates)
+
+
+class _Cone:
+    """The zeros of the forms in coordinates y (d,) whose square is the kinetic energy; forms are of one size there."""
+
+    def __init__(self, tangents: Tangents, upper: Array, by_energy: Array, fit: Fit) -> None:
+        self.tangents, self.fit = tangents, fit
+        self.upper, self.by_energy = upper, by_energy
+        samples = np.random.default_rng(20261127).normal(size=(SAMPLES, len(by_energy)))
+        squares = [np.square(self._raw(y)).sum(axis=1) for y in samples]
+        self.scale = 1.0 / np.sqrt(np.mean(squares, axis=0) + np.finfo(float).tiny)
+
+    def _raw(self, y: Array) -> Array:
+        return np.asarray(self.tangents.slopes(self.by_energy @ y) @ self.by_energy)
+
+    def slopes(self, y: Array) -> Array:
+        """(k, d)."""
+        return np.asarray(self.scale[:, None] * self._raw(y))
+
+    def values(self, y: Array) -> Array:
+        """(k,)."""
+        return np.asarray(self.scale * self.tangents.values(self.by_energy @ y))
+
+    def arrived(self, y: Array) -> Array | None:
+        """The zero of length one near y, if there is one."""
+        points = arrivals(self.tangents, (self.by_energy @ y)[None], self.fit)
+        if not len(points):
+            return None
+        found = self.upper @ points[0]
+        return np.asarray(found / np.linalg.norm(found))
+
+
+def _softly(cone: _Cone, wanted: Array) -> Array:
+    """Where springs that get stiffer pull what is wanted to: Levenberg's and Marquardt's method at each stiffness."""
+    y = wanted
+    for stiffness in np.geomspace(SOFTEST, STIFFEST, STAGES):
+        damping, left = DAMPED, _energy(cone, y, wanted, stiffness)
+        for _ in range(ROUNDS):
+            slopes = cone.slopes(y)
+            matrix = np.eye(len(y)) + stiffness * (slopes.T @ slopes)
+            pull = y - wanted + stiffness * (slopes.T @ cone.values(y))
+            while damping < 1.0 / DAMPED:
+                tried = y - np.linalg.solve(matrix + damping * np.diag(np.diag(matrix)), pull)
+                now = _energy(cone, tried, wanted, stiffness)
+                if now < left:
+                    y, left, damping = tried, now, 0.1 * damping
+                    break
+                damping *= 10.0
+            else:
+                break
+    return y
+
+
+def _energy(cone: _Cone, y: Array, wanted: Array, stiffness: float) -> float:
+    return float(np.square(y - wanted).sum() + stiffness * np.square(cone.values(y)).sum())
+
+
+def _raised(cone: _Cone, wanted: Array, y: Array) -> Array:
+    """The point of length one on the cone that is reached by going where the work rises most."""
+    y = y if wanted @ y >= 0.0 else -y
+    step = 1.0
+    for _ in range(MOST_ROUNDS):
+        work = float(wanted @ y)
+        slopes = cone.slopes(y)
+        squares = slopes @ slopes.T
+        squares[np.diag_indices_from(squares)] += SINGULAR * np.trace(squares)
+        uphill = wanted - slopes.T @ np.linalg.solve(squares, slopes @ wanted)
+        uphill = (uphill - (uphill @ y) * y) / max(work, SHORTEST)
+        while step > SHORTEST:
+            tried = cone.arrived(y + step * uphill)
+            if tried is not None and float(wanted @ tried) > work:
+                break
+            step *= 0.5
+        else:
+            return y
+        y, step = tried, min(1.0, 2.0 * step)
+        if float(wanted @ y) < (1.0 + GAIN) * work:
+            return y
+    return y

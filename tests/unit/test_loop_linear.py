@@ -1,0 +1,45 @@
+"""Closure matrices taken apart sparsely, by their dense decomposition."""
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from lamc.loops.linear import DENSE, Linear
+from lamc.records.mechanism import Array
+
+
+def matrix(rows: int, columns: int, weak: int) -> Array:
+    """A few entries in each row, and `weak` singular values of 1e-4 beside those of one."""
+    random = np.random.default_rng(rows + columns)
+    full = random.normal(size=(rows, columns)) * (random.random((rows, columns)) < 0.1)
+    left, values, right = np.linalg.svd(full, full_matrices=False)
+    values = np.linspace(2.0, 1.0, len(values))
+    values[len(values) - weak :] = 1e-4
+    return np.asarray((left * values) @ right)
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(20, 100), (60, 61), (120, 261)])
+def test_all_that_few_equations_leave_free_is_found(rows: int, columns: int) -> None:
+    """As of a sheet with a hole, around which there are more creases than its loop has equations."""
+    assert columns > DENSE
+    full = matrix(rows, columns, 0)
+    linear = Linear(sparse.csr_array(full))
+    assert linear.rank() == rows
+    free = linear.free()
+    assert free.shape == (columns - rows, columns)
+    assert np.abs(free @ free.T - np.eye(columns - rows)).max() < 1e-12
+    assert np.abs(full @ free.T).max() < 1e-12  # round-off of sums of hundreds
+
+
+@pytest.mark.parametrize(("rows", "columns"), [(40, 100), (100, 70)])
+def test_what_holds_weakly_is_left_alone(rows: int, columns: int) -> None:
+    full = matrix(rows, columns, 12)
+    goal = np.random.default_rng(7).normal(size=rows)
+    left, values, right = np.linalg.svd(full, full_matrices=False)
+    kept = values > 5e-3 * values[0]
+    expected = (goal @ left[:, kept] / values[kept]) @ right[kept]
+    linear = Linear(sparse.csr_array(full))
+    # Two per cent: the largest singular value is known to some hundredths, and a cutoff has no need of more.
+    assert linear.least_change(goal, 5e-3) == pytest.approx(expected, abs=1e-12)
+    nullity = columns - int(np.count_nonzero(kept))
+    assert 1e-4 < linear.amid(nullity) < 1.0

@@ -6,8 +6,6 @@ In: a `ViewOrder`. Out: one file of HTML, and a line that names it. What a page 
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from lamc.basics.errors import LamcError, SimulationError
 from lamc.basics.files import checked_path
 from lamc.basics.times import Times
@@ -29,7 +27,7 @@ from lamc.commands.plate_work import answers
 from lamc.commands.terminal import Progress, Terminal
 from lamc.export.pages import compared, mechanism_show, open_page, result_show
 from lamc.pipeline import compile as compile_design
-from lamc.run.defaults import DURATION, default_rows
+from lamc.run.length import length_of
 from lamc.run.result import Result
 from lamc.view.document import MOST_BYTES, Show, write_page
 from lamc.view.plates import report_show
@@ -177,21 +175,26 @@ def _show(source: Source, order: ViewOrder, label: str, times: Times, progress: 
     loaded = load_source(source, times, progress, of_run=not order.fold)
     if order.fold:
         return mechanism_show(mechanism_of(loaded, times, progress), label)
-    result = _run(loaded, source, order, times, progress)
+    result, remark = _run(loaded, source, order, times, progress)
     with times.stage("model"):
-        return result_show(result, live=order.live, label=label, budget=budget)
+        show = result_show(result, live=order.live, label=label, budget=budget)
+    return replace(show, failed="", notes=(*show.notes, remark)) if remark else show
 
 
-def _run(loaded: Loaded, source: Source, order: ViewOrder, times: Times, progress: Progress) -> Result:
+def _run(
+    loaded: Loaded, source: Source, order: ViewOrder, times: Times, progress: Progress
+) -> tuple[Result, str]:
+    """The run, and why it ended before its time where nobody says how long it is."""
     mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, order.changes)
     simulator = compile_design(mechanism, scene, source.options, times)
     parameters = dict(of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters)))
-    end = (scene.duration or DURATION) if order.t_end is None else order.t_end
-    if end <= 0.0:
-        raise LamcError(f"--t-end is {end:g} s; it must be above zero, or leave the run out by --fold")
-    rows = default_rows(end, len(simulator.start))
-    with times.stage("run"):
-        return simulator.run(
-            end, t_eval=np.linspace(0.0, end, rows), parameters=parameters, progress=progress.part
+    length = length_of(order.t_end, None, simulator)
+    if length.t_end <= 0.0:
+        raise LamcError(
+            f"--t-end is {length.t_end:g} s; it must be above zero, or leave the run out by --fold"
         )
+    rows = length.rows(len(simulator.start))
+    with times.stage("run"):
+        result = length.run(simulator, rows, parameters=parameters, progress=progress.part)
+    return result, length.remark(simulator, result)

@@ -20,13 +20,17 @@ from lamc.run.simulator import Simulator
 _MANY = (
     20_000  # steps; a device that does not come to 10 s in so many is stuck, and has failed when it gives up
 )
+# What neither drives a sheet for longer than its creases do, nor stops its hinges: with others, runs do not end where a
+# fold seems over.
+_AT_REST = {"gravity", "hinge_damping", "hinge_stiffness", "rest_angle"}
 _PATIENCE = 5  # times the counted steps: of small loops, which are not stuck after as many, 20 s of work
 
 
 @dataclass(frozen=True)
 class Length:
     """t_end: s. steps: that are tried. is_own: they are lamc's choice, and a run that takes them all is a whole one.
-    until_folded: nobody says how long, so that a sheet is at its end where its fold is over."""
+    until_folded: nobody says how long, so that a sheet that only its creases and gravity move is at its end where its
+    fold is over."""
 
     t_end: float
     steps: int
@@ -93,6 +97,7 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
         has_loops=bool(simulator.cut_joints),
         has_misfit=simulator.loops.accepted_gap > 0.0,
     )
+    folds = {effect.name for effect in simulator.effects} <= _AT_REST
     if steps >= _MANY:
-        return Length(end, min(MAX_STEPS, _PATIENCE * steps), until_folded=True)
-    return Length(end, steps, is_own=True, until_folded=True)
+        return Length(end, min(MAX_STEPS, _PATIENCE * steps), until_folded=folds)
+    return Length(end, steps, is_own=True, until_folded=folds)

@@ -268,12 +268,14 @@ def _advance(model: Model, engine: "_Run | _Differentiated | TapedRun", request:
         while True:
             before, started = run.evaluations, time.perf_counter()
             status = engine.advance(budget)
-            if status <= 0:
+            if status < 0 or (status == 0 and request.until is None):
                 return status, ""
             if status == lib.LAMC_OUTPUT_FULL:
                 engine.rows.grow()
             if request.until is not None and (why := request.until(_state(model, run, len(request.y0)))):
                 return int(Status.FOLDED), why
+            if status == 0:
+                return status, ""
             now = time.perf_counter()
             if request.progress is not None and (request.until is None or now - told >= SLICE):
                 request.progress(float(run.t), request.t_end)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy.typing as npt
 
+from lamc.basics.checks import checked_flag
 from lamc.basics.errors import UnsupportedError, warn
 from lamc.basics.moved import superseded
 from lamc.basics.once import lazy
@@ -218,10 +219,11 @@ class Simulator(Running, OperatingPoints, Viewable):
         series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
         taped       whether the steps are kept, for `Result.gradient`, derivatives of a measure by any number of
                     parameters. The first time that takes a compile of its own; the motion is the same to the last bit
-        until_folded  whether the run of a sheet ends, with `Status.FOLDED`, where it is folded flat, all hinges at 0°,
-                    or at ±180° and beyond, to 1°; or where one is 30° beyond ±180°: nothing keeps facets from passing
-                    through one another there. Asked after each step. Of no effect on devices without loops, with bodies
-                    that have no plate, or with parallel axes only; nor on runs to an accuracy, differentiated or taped
+        until_folded  whether the run of a sheet ends, with `Status.FOLDED`, where it has come to be folded flat, all
+                    hinges at 0°, or at ±180° and beyond, to 1°; or where one of a loop is 30° beyond ±180°: nothing
+                    keeps facets from passing through one another there. Asked after each step, so that long steps end
+                    beyond. Of no effect on devices without loops, with bodies that have no plate, or with parallel axes
+                    only; nor on runs to an accuracy, differentiated or taped
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
@@ -231,13 +233,14 @@ class Simulator(Running, OperatingPoints, Viewable):
         if books is not None:
             superseded("run(books=...)", "run(energy_balance=...)")
             energy_balance = books
+        until_folded = checked_flag(until_folded, "until_folded")
         wanted = None if accuracy is None else checked_accuracy(accuracy, rtol, atol)
         parameters = with_series(parameters, series, self._model.series, self.parameters)
         with part_told("run", progress) as told:
             asked = (t_end, rtol, atol, t_eval, max_steps, max_step, told)
             request = self._request(*asked, energy_balance=energy_balance)
             if until_folded and self.cut_joints and not (taped or sensitivities or wanted is not None):
-                request = replace(request, until=fold_over(self.mechanism, self.joints))
+                request = replace(request, until=fold_over(self.mechanism, self._rings, self.joints))
             rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
             found = differentiated(self, sensitivities, parameters, rate)
             motion = (

@@ -137,6 +137,12 @@ class Starting(Evaluations):
         lead = lead_of(self._default_motion, self._arrangement)
         return Starter(geometry_of(self._arrangement.tree), self.loops, lead)
 
+    @property
+    def _rings(self) -> list[list[str]]:
+        """Names of the joints around each short cycle of the loops."""
+        geometry = geometry_of(self._arrangement.tree)
+        return [[geometry.names[joint] for joint in cycle.joints] for cycle in geometry.cycles]
+
     def _bending(self) -> tuple[str, ...]:
         """Names of the bodies that bend."""
         if not any(overrides(effect, "arrange") for effect in self.effects):

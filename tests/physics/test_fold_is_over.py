@@ -14,6 +14,7 @@ from lamc.cli import main
 from lamc.commands.examples import mechanism_of_example
 from lamc.records.mechanism import Mechanism
 from lamc.run.folded import NEAR, THROUGH, fold_over
+from lamc.run.length import length_of
 from lamc.run.request import Status
 from tests.support.ctools import needs_cc
 from tests.support.fold_corpus import Data, hypar, miura, write
@@ -72,27 +73,83 @@ def test_what_is_no_sheet_is_never_asked() -> None:
     """A planar four-bar passes positions in one line in the middle of its motion; a pendulum has no plates there."""
     for name in ("four_bar", "pendulum"):
         mechanism = mechanism_of_example(examples.find(name))
-        assert fold_over(mechanism, [joint.name for joint in mechanism.joints]) is None
+        names = [joint.name for joint in mechanism.joints]
+        assert fold_over(mechanism, [names], names) is None
+        assert fold_over(mechanism, [], names) is None
 
 
 def test_the_question_that_is_asked_of_states() -> None:
+    """Of a vertex of four creases, and the state of a run that goes from one to the next."""
     sheet = mechanism_of_example(examples.find("miura:2x2"))
     names = [joint.name for joint in sheet.joints]
-    over = fold_over(sheet, names)
-    assert over is not None
     count = len(names)
-    state = np.zeros(2 * count)
-    assert over(state) == ""
-    state[count:] = 50.0  # rates
-    assert over(state) == ""
-    state[:count] = [math.pi - 0.9 * NEAR, *[-math.pi] * (count - 1)]
-    assert "folded flat" in over(state)
-    state[0] = math.pi + 20.0 * NEAR  # passed within a step
-    assert "folded flat" in over(state)
-    state[0] = math.pi - 1.1 * NEAR
-    assert over(state) == ""
-    state[:2] = -math.pi - 1.01 * THROUGH, 1.0
-    assert repr(names[0]) in over(state)
+
+    def asked(*rows: list[float]) -> str:
+        over = fold_over(sheet, [names], names)
+        assert over is not None
+        return [over(np.append(row, np.full(count, 50.0))) for row in rows][-1]
+
+    flat, half, folded = [0.0] * count, [1.5] * count, [math.pi - 0.9 * NEAR, *[-math.pi] * (count - 1)]
+    assert asked(flat) == ""
+    assert asked(flat, half) == ""
+    assert "folded flat" in asked(flat, half, folded)
+    assert "folded flat" in asked(half, [math.pi + 20.0 * NEAR, *folded[1:]])  # passed within a step
+    assert asked(half, [math.pi - 1.1 * NEAR, *folded[1:]]) == ""
+    assert asked(half, flat) == ""  # where no hinge of a vertex has folded, none is folded flat
+    assert asked(folded, folded) == ""  # and what begins so has yet to move
+    assert "folded flat" in asked(folded, half, folded)
+    through = [-math.pi - 1.01 * THROUGH, 1.0, *half[2:]]
+    assert repr(names[0]) in asked(half, through)
+    assert asked(through, through) == ""
+
+
+def with_flap(data: Data) -> Data:
+    """A triangle more, on the first edge of the rim, on a crease of its own that rests at 180 degrees."""
+    first = data["edges_assignment"].index("B")
+    a, b = data["edges_vertices"][first]
+    (xa, ya), (xb, yb) = (data["vertices_coords"][k][:2] for k in (a, b))
+    tips = [[(xa + xb) / 2 - s * (yb - ya) / 2, (ya + yb) / 2 + s * (xb - xa) / 2] for s in (1.0, -1.0)]
+    inner = np.mean(np.array(data["vertices_coords"])[:, :2], axis=0)
+    tip = max(tips, key=lambda t: float(np.hypot(*(np.array(t) - inner))))
+    number, angles = len(data["vertices_coords"]), list(data["edges_foldAngle"])
+    angles[first] = 180.0
+    kinds = [*data["edges_assignment"], "B", "B"]
+    kinds[first] = "V"
+    return data | {
+        "vertices_coords": [*data["vertices_coords"], tip],
+        "edges_vertices": [*data["edges_vertices"], [a, number], [number, b]],
+        "edges_assignment": kinds,
+        "edges_foldAngle": [*angles, None, None],
+    }
+
+
+def test_a_flap_that_swings_through_ends_no_run(tmp_path: Path) -> None:
+    """It is light, swings far beyond ±180° and comes back, while the vertices have hardly begun."""
+    simulator = lamc.compile(load(tmp_path, with_flap(resting_flat(miura(3, 3)))))
+    ended = simulator.run(t_end=10.0, until_folded=True)
+    assert ended.success
+    inner = {name for ring in simulator._rings for name in ring}
+    assert max(max(abs(ended.angle(name))) for name in inner) > 1.0  # it went on to fold
+    beyond = [name for name in ended.hinges if max(abs(ended.angle(name))) > math.pi + THROUGH]
+    assert beyond
+    assert not inner & set(beyond)
+
+
+def test_what_drives_or_stops_a_sheet_runs_to_its_length(tmp_path: Path) -> None:
+    """A servo may yet move it, and stops keep facets apart; nobody says that the fold is its end."""
+    mechanism = load(tmp_path, resting_flat(miura(3, 3)))
+    name = mechanism.joints[0].name
+    plain = length_of(None, None, lamc.compile(mechanism))
+    assert plain.until_folded
+    for added in (lamc.Torque({name: "1e-6 * t"}), lamc.JointLimits(flat_fold=True)):
+        simulator = lamc.compile(mechanism, lamc.Scene(added=(added,)))
+        assert not length_of(None, None, simulator).until_folded
+
+
+def test_a_flag_is_asked_for(tmp_path: Path) -> None:
+    simulator = lamc.compile(load(tmp_path, resting_flat(miura(3, 3))))
+    with pytest.raises(lamc.LamcError, match="until_folded"):
+        simulator.run(until_folded="no")  # type: ignore[arg-type]
 
 
 def test_a_command_that_nobody_gives_a_length_ends_there_and_says_so(

@@ -5,12 +5,13 @@ interrupted or failed.
 """
 
 import json
-from dataclasses import asdict, dataclass
+import warnings
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from lamc.basics._version import __version__
-from lamc.basics.errors import LamcError, SimulationError
+from lamc.basics.errors import DesignWarning, LamcError, SimulationError
 from lamc.basics.files import write_text
 from lamc.basics.renewal import digests, renewed
 from lamc.basics.times import Times
@@ -50,6 +51,8 @@ FILES = (
     *("animation.mp4", "animation.gif"),
 )
 
+_DRAWINGS = (".fold", ".svg", ".dxf")
+_APART = (Status.CLOSURE_LOST, Status.STEP_UNDERFLOW, Status.RANK_LOST)
 _LIMIT_NUMBERS = 100_000_000  # that can be asked for: 0.8 GB for the table alone
 
 
@@ -83,20 +86,62 @@ def run(order: RunOrder, terminal: Terminal) -> int:
         loaded = load_source(order.source, times, progress, of_run=True)
         out, remark = run_folder(order.out, loaded, order.changes.scene)
         with output_folder(out, loaded.name) as folder:
-            mechanism = mechanism_of(loaded, times, progress)
-            scene, account = changed_scene(mechanism, order.changes)
-            simulator = compile_design(mechanism, scene, order.source.options, times)
-            length = length_of(order.t_end, _steps(order), simulator)
-            _check_points(order.points, len(simulator.start))
-            parameters = of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters))
-            with times.stage("run"):
-                result = _simulate(order, length, simulator, dict(parameters), progress)
-            enough = length.remark(simulator, result)
-            report = _report(loaded, simulator, result, account, times, order.changes.scene, remark, enough)
+            made = _made(order, loaded, times, progress)
+            if apart := _came_apart(order, made):
+                made = _made(order, _of_bending(order, times, progress), times, progress)
+            report = _report(made, times, order.changes.scene, tuple(r for r in (remark, apart) if r))
             files, interrupted = _write_all(order, report, folder, times, progress)
     terminal.say(summary(report, folder, files, verbose=order.verbose))
     terminal.result(_data(report) | {"folder": str(folder), "files": files})
-    return _ending(result, folder, terminal, interrupted=interrupted, is_enough=bool(enough))
+    return _ending(made.result, folder, terminal, interrupted=interrupted, is_enough=bool(made.enough))
+
+
+@dataclass(frozen=True)
+class _Made:
+    """A run, of what, and why it is enough where it ended before its time."""
+
+    loaded: Loaded
+    simulator: Simulator
+    account: tuple[Choice, ...]
+    result: Result
+    enough: str
+
+
+def _made(order: RunOrder, loaded: Loaded, times: Times, progress: Progress) -> _Made:
+    mechanism = mechanism_of(loaded, times, progress)
+    scene, account = changed_scene(mechanism, order.changes)
+    simulator = compile_design(mechanism, scene, order.source.options, times)
+    length = length_of(order.t_end, _steps(order), simulator)
+    _check_points(order.points, len(simulator.start))
+    parameters = of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters))
+    with times.stage("run"):
+        result = _simulate(order, length, simulator, dict(parameters), progress)
+    return _Made(loaded, simulator, account, result, length.remark(simulator, result))
+
+
+def _came_apart(order: RunOrder, made: _Made) -> str:
+    """What is told where rigid facets of a drawing that closes only nearly came apart, and nobody asked for them to be
+    rigid; empty where they did not."""
+    misfit, path = made.simulator.loops.misfit, made.loaded.path
+    if made.result.status not in _APART or made.simulator.loops.accepted_gap == 0.0 or misfit is None:
+        return ""
+    if path is None or path.suffix.lower() not in _DRAWINGS or order.source.sheet.facets is not None:
+        return ""
+    if made.simulator.mechanism.facet_creases:
+        return ""
+    return (
+        f"rigid facets came apart at t = {made.result.t[-1]:.3g} s, as {misfit.text}: this is a run of facets that "
+        "bend, which have more freedoms and may fold another way; --facets rigid has the other, and a drawing of more "
+        "digits needs neither"
+    )
+
+
+def _of_bending(order: RunOrder, times: Times, progress: Progress) -> Loaded:
+    """The same drawing; what was assumed of it has been told."""
+    source = replace(order.source, sheet=replace(order.source.sheet, facets="bend"))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        return load_source(source, times, progress, of_run=True)
 
 
 def _steps(order: RunOrder) -> int | None:
@@ -147,29 +192,21 @@ def _simulate(
     )
 
 
-def _report(
-    loaded: Loaded,
-    simulator: Simulator,
-    result: Result,
-    account: tuple[Choice, ...],
-    times: Times,
-    scene: str | None,
-    remark: str,
-    enough: str,
-) -> RunReport:
+def _report(made: _Made, times: Times, scene: str | None, remarks: tuple[str, ...]) -> RunReport:
+    loaded, account, result = made.loaded, made.account, made.result
     conservative = all(conserves(c.effect, result.energies) for c in account if c.effect is not None)
     return RunReport(
         source=loaded.origin,
         source_digest=loaded.digest,
         beside=loaded.record.beside if isinstance(loaded.record, Design) else (),
-        simulator=simulator,
+        simulator=made.simulator,
         result=result,
         account=account,
         times=times,
         drift=energy_drift(result) if conservative else None,
         scene=scene,
-        remarks=(remark,) if remark else (),
-        enough=enough,
+        remarks=remarks,
+        enough=made.enough,
         dimensions=told(loaded.record),
         given=given(loaded.record),
     )

@@ -4,6 +4,7 @@ In: a `Tree` and a `Scene`. Out: a `LoopCount`. Never: looks at loads, which cho
 the count then has the rank of each.
 """
 
+from collections.abc import Hashable
 from dataclasses import replace
 
 import numpy as np
@@ -20,6 +21,8 @@ from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 from lamc.records.scene import Scene
 
+LATELY = 4  # counts that are known
+_lately: dict[Hashable, LoopCount] = {}
 CLOSED = LoopCount(0, 0, 0, 0)  # what is taken as read before loops are counted
 
 
@@ -33,6 +36,10 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
     """What the loops of `tree` come to where `scene` starts. Raises DesignError where nothing can move."""
     if not tree.cuts:
         return LoopCount(0, 0, 0, len(tree.links))
+    if not any(scene.angles.values()) and not any(scene.rates.values()) and scene.branch is None:
+        count = _as_drawn(tree, scene.closure_tolerance)
+        check_freedom(count)
+        return count
     geometry = geometry_of(tree)
     drawn = np.zeros(len(geometry.names))
     angles: Array | None = drawn
@@ -57,6 +64,22 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
     if len(set(count.branch_ranks)) > 1 and angles is not None and any(scene.rates.values()):
         return _along(geometry, angles, scene, count)
     return count
+
+
+def _as_drawn(tree: Tree, tolerance: float | None) -> LoopCount:
+    """The count as drawn. Of one that was counted lately it is known: whether a sheet's rigid facets fold is asked as
+    it is read, and what its loops come to as it is compiled."""
+    geometry = geometry_of(tree)
+    ends = [(joint.name, joint.parent, joint.child) for joint in tree.hinges]
+    numbers = b"".join(each.tobytes() for each in (geometry.point, geometry.axis, geometry.near))
+    key = (tree.mechanism.size, tolerance, tuple(ends), numbers)
+    found = _lately.get(key)
+    if found is None:
+        found = count_at(geometry, np.zeros(len(geometry.names)), tolerance)
+        while len(_lately) >= LATELY:
+            _lately.pop(next(iter(_lately)), None)
+        _lately[key] = found
+    return found
 
 
 @on_one_thread

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.linear import DENSE, least_changes
+from lamc.loops.linear import DENSE, FEW_ROWS, least_changes
 from lamc.records.mechanism import Array
 
 Mask = npt.NDArray[np.bool_]
@@ -19,6 +19,7 @@ SOLVE = 1e-9  # relative to the largest singular value: a smaller one is none of
 SMALL = 2e-2  # likewise: below it a singular value may be a misfit, some hundredths of a radian or of the size at most
 LONGEST_STEP = 0.5  # rad; lines of rotation are straight no farther
 MAX_ITERATIONS = 60
+FEW_ITERATIONS = 8  # of very large loops that fit badly, where weak directions are damped, and creep
 STILL = 1e-10  # rad: a step that leaves open what it should close is the last, if it is as short
 NEAREST, NEARER, ARRIVED = (
     40,
@@ -45,7 +46,8 @@ def settle(
     columns = np.arange(len(angles)) if free is None else np.flatnonzero(free)
     residual, linear = geometry.closure(angles)
     error = float(np.abs(residual).max(initial=0.0))
-    for _ in range(MAX_ITERATIONS if len(columns) else 0):
+    most = MAX_ITERATIONS if cutoff <= SOLVE or len(angles) <= FEW_ROWS else FEW_ITERATIONS
+    for _ in range(most if len(columns) else 0):
         if error <= 1e-2 * CLOSED:
             break
         part = linear.part(columns)

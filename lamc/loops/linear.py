@@ -113,10 +113,13 @@ class Linear:
 
     @cached_property
     def _factors(self) -> Any:
+        return self._factored(DAMPING)
+
+    def _factored(self, damping: float) -> Any:
         from scipy import sparse
         from scipy.sparse.linalg import splu
 
-        e = DAMPING * self.scale
+        e = damping * self.scale
         rows = self.matrix[self.used].tocsr()
         rows.data[np.abs(rows.data) < NOTHING] = 0.0
         rows.eliminate_zeros()
@@ -166,19 +169,17 @@ class Linear:
 
     def least_change(self, goal: Array, cutoff: float) -> Array:
         """The smallest x (n,) for which J x is nearest to `goal` (m,), singular values below `cutoff` times the largest
-        counted as zero."""
+        counted as zero; of very large matrices, damped."""
         if self.is_small:
             left, values, right = self.dense
             kept = np.count_nonzero(values > cutoff * self.scale)
             return np.asarray((goal @ left[:, :kept] / values[:kept]) @ right[:kept])
-        if cutoff > DAMPING and self._squared is not None:
+        if cutoff <= DAMPING:
+            found = self._damped(goal, self._factors)
+            return found + self._damped(goal - self.matrix @ found, self._factors)
+        if self._squared is not None:
             return self._least_of_strong(goal, cutoff)
-        found = self._damped(goal)
-        found = found + self._damped(goal - self.matrix @ found)
-        if cutoff > DAMPING:
-            weak = self.free(cutoff)
-            found = found - weak.T @ (weak @ found)
-        return np.asarray(found)
+        return self._damped(goal, self._factored(cutoff))
 
     @cached_property
     def _squared(self) -> tuple[Array, Array] | None:
@@ -206,7 +207,7 @@ class Linear:
             left = goal[self.used] - rows @ found
         return np.asarray(found)
 
-    def _damped(self, goal: Array) -> Array:
+    def _damped(self, goal: Array, factors: Any) -> Array:
         return np.asarray(
-            self._factors.solve(np.concatenate([np.zeros(self.count), goal[self.used]]))[: self.count]
+            factors.solve(np.concatenate([np.zeros(self.count), goal[self.used]]))[: self.count]
         )

@@ -204,7 +204,7 @@ def _rises(found: Survey, start: Array, nullity: int) -> bool:
     """Whether the `nullity` weakest equations at the places of a walk hold the more the farther these are from its
     singular start: they are of the second order then, and no misfit, which is there from the start."""
     return all(
-        float(place.weak[nullity - 1]) > RISING * float(np.abs(place.angles - start).max())
+        place.clearness(nullity - 1) > RISING * float(np.abs(place.angles - start).max())
         for place in found.places
     )
 

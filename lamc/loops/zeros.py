@@ -20,6 +20,8 @@ STILL = 1e-14  # of a point of length one: a step of round-off
 # Starts of forms by vertices that lead nowhere: after so many, there are degenerate zeros only, or none.
 IN_VAIN = 8
 FEW_STARTS, FEW_BRANCHES = 32, 8  # of more than FEW_FREE rates: so many starts in all, and so many branches
+# Joints: of more, so many starts and branches; what loads ask for comes besides.
+MANY, FEWEST_STARTS, FEWEST_BRANCHES = 600, 8, 2
 
 
 def binary(forms: Array, fit: Fit) -> list[tuple[Array, int]]:
@@ -43,7 +45,8 @@ def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Arra
     size = tangents.basis.shape[1]
     random = np.random.default_rng(20260103)
     is_small = size <= FEW_FREE
-    count, most = (STARTS * size, MOST) if is_small else (FEW_STARTS, FEW_BRANCHES)
+    few = (FEW_STARTS, FEW_BRANCHES) if len(tangents.basis) <= MANY else (FEWEST_STARTS, FEWEST_BRANCHES)
+    count, most = (STARTS * size, MOST) if is_small else few
     starts = np.concatenate([preferred[: count // 2], random.normal(size=(count, size))])
     solutions: list[tuple[Array, int]] = []
     families = 0

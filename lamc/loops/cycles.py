@@ -32,6 +32,7 @@ Ring = tuple[int, ...]  # indices of edges in the order of a closed way
 # that leans farthest would be another one at another fold angle, and with it the zeros of the equations; neighbours in
 # a facet keep their angle.
 CLEAR = 0.5
+MOST_LOOKED_AROUND = 400  # hinges: of more, longer ways than make a basis take seconds to look for
 FIRST_REACH = 3  # hinges from a root: cycles of 6 and most of 7 are among the first candidates
 
 
@@ -102,13 +103,23 @@ def _short_cycles(tree: Tree) -> tuple[Cycle, ...]:
 def shortest_basis(
     edges: tuple[Edge, ...], rank: tuple[int, ...], equations: Callable[[Sequence[Ring]], Sequence[int]]
 ) -> tuple[Ring, ...]:
-    """Cycles as rings of edge indices, of least numbers of `equations`, then of edges; ties are broken by `rank` of
-    these."""
-    reach = FIRST_REACH
+    """Cycles as rings of edge indices, of least numbers of `equations` of those looked at, then of edges; ties are
+    broken by `rank` of these. Those looked at are short ways from some node to both ends of an edge."""
+    reach, basis, cost = FIRST_REACH, None, 0
     while True:
-        basis = _basis(edges, rank, reach, tuple(equations(_candidates(edges, rank, reach))))
-        if basis is not None:
-            return basis
+        candidates = _candidates(edges, rank, reach)
+        counts = tuple(equations(candidates))
+        wider = _basis(edges, rank, reach, counts)
+        if wider is not None:
+            known = dict(zip(candidates, counts, strict=True))
+            costs = [known[ring] for ring in wider]
+            if basis is not None and sum(costs) >= cost:
+                return basis
+            basis, cost = wider, sum(costs)
+            # A way of six equations may stand for one of three that is too long to be seen, as around a vertex of many
+            # creases.
+            if max(costs, default=0) < Kind.SPATIAL.equations or len(edges) > MOST_LOOKED_AROUND:
+                return basis
         reach *= 2
 
 

@@ -68,6 +68,29 @@ def alike(rings: Sequence[tuple[int, ...]]) -> list[int]:
     return [6] * len(rings)
 
 
+def test_a_vertex_of_many_creases_is_found_behind_a_short_way_around_all() -> None:
+    """Nine facets around a vertex, nine around these, and three around all, next to one another: three hinges lead
+    around all, with six equations; nine around the vertex, with three."""
+    inner = [Edge(k, (k + 1) % 9) for k in range(9)]
+    spokes = [Edge(k, 12 + k) for k in range(9)] + [Edge(12 + k, 9 + k // 3) for k in range(9)]
+    outer = [Edge(9 + k, 9 + (k + 1) % 3) for k in range(3)]
+    edges = (*inner, *spokes, *outer)
+    hub, around = frozenset(range(9)), frozenset((27, 28, 29))
+    faces = {hub}
+    for k in range(9):
+        after = (k + 1) % 9
+        crossed = {k, 9 + k, 18 + k, 9 + after, 18 + after} | ({27 + k // 3} if k % 3 == 2 else set())
+        faces.add(frozenset(crossed))
+
+    def equations(rings: Sequence[tuple[int, ...]]) -> list[int]:
+        return [3 if frozenset(ring) in faces else 6 for ring in rings]
+
+    basis = shortest_basis(edges, tuple(range(len(edges))), equations)
+    assert len(basis) == len(edges) - 21 + 1
+    assert {frozenset(ring) for ring in basis} == faces
+    assert around not in faces
+
+
 @needs_cc
 @pytest.mark.parametrize("name", [*LOOPS, "miura"])
 @pytest.mark.quick("five_bar", "four_bar", "sarrus", "six_bar", "two_loops", "vertex", "waterbomb")

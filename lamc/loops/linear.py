@@ -169,7 +169,7 @@ class Linear:
 
     def least_change(self, goal: Array, cutoff: float) -> Array:
         """The smallest x (n,) for which J x is nearest to `goal` (m,), singular values below `cutoff` times the largest
-        counted as zero; of very large matrices, damped."""
+        counted as zero; of very large matrices, damped: to tell which they are takes a second."""
         if self.is_small:
             left, values, right = self.dense
             kept = np.count_nonzero(values > cutoff * self.scale)

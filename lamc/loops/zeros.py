@@ -21,7 +21,7 @@ STILL = 1e-14  # of a point of length one: a step of round-off
 IN_VAIN = 8
 FEW_STARTS, FEW_BRANCHES = 32, 8  # of more than FEW_FREE rates: so many starts in all, and so many branches
 # Joints: of more, so many starts and branches; what loads ask for comes besides.
-MANY, FEWEST_STARTS, FEWEST_BRANCHES = 600, 8, 2
+MANY, FEWEST_STARTS, FEWEST_BRANCHES = 600, 8, 3
 
 
 def binary(forms: Array, fit: Fit) -> list[tuple[Array, int]]:

@@ -15,6 +15,7 @@ import shapely
 from lamc.basics.errors import DesignError
 from lamc.basics.units import LENGTH, to_si
 from lamc.design.mass import body_properties
+from lamc.loops.work import check_work
 from lamc.readers.fold_bending import CREASED, FACET, STIFFER, STILL, bending, obstacle
 from lamc.readers.fold_faces import (
     Face,
@@ -62,6 +63,12 @@ def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple
         return made, notes
     bent, told = _bending(frame, options).mechanism(stem)
     if len(bent.joints) == len(made.joints) or obstacle(bent) == STILL:
+        return made, notes
+    if _takes_minutes(bent, options) and not _takes_minutes(made, options):
+        notes.append(
+            f"{why}: facets that bend would take minutes until they run, and are left rigid (--facets bend, with "
+            "--large, has them)"
+        )
         return made, notes
     told.append(
         f"{why}: they bend along diagonals and flat lines, {STIFFER:g} times as stiff as creases of the same length "
@@ -318,6 +325,15 @@ class _Sheet:
                 "'0.3 mm, 700 kg/m^3' says another)"
             )
         return card
+
+
+def _takes_minutes(sheet: Mechanism, options: SheetOptions) -> bool:
+    """Whether it is refused by what it would take to compile."""
+    try:
+        check_work(sheet, large=bool(options.large))
+    except DesignError:
+        return True
+    return False
 
 
 def _bending(frame: FoldFrame, options: SheetOptions) -> _Sheet:

@@ -64,7 +64,7 @@ def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple
     bent, told = _bending(frame, options).mechanism(stem)
     if len(bent.joints) == len(made.joints) or obstacle(bent) == STILL:
         return made, notes
-    if _takes_minutes(bent, options) and not _takes_minutes(made, options):
+    if not sheet.locked_most and _takes_minutes(bent, options) and not _takes_minutes(made, options):
         notes.append(
             f"{why}: facets that bend would take minutes until they run, and are left rigid (--facets bend, with "
             "--large, has them)"

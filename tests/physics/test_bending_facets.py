@@ -205,3 +205,17 @@ def test_facets_bend_where_rigid_ones_would_stay_flat_along_most_creases(tmp_pat
     result = lamc.compile(bent).run(t_end=0.05)
     assert result.success
     assert max(abs(result.angle(name)).max() for name in ("E9", "E10", "E11")) > 0.1
+
+
+def test_facets_stay_rigid_where_bending_ones_would_be_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing moves either way, and the reason is told; with facets that bend it would be how many they are."""
+    path = drawn_by_eye(tmp_path, 1e-3)
+    bent, _ = read(path)
+    monkeypatch.setattr("lamc.loops.work.MOST_HINGES", len(bent.joints) - 1)
+    rigid, notes = read(path)
+    assert len(rigid.bodies) == 12
+    assert any("left rigid" in note and "--facets bend" in note for note in notes)
+    meant, _ = read(path, large=True)
+    assert len(meant.bodies) == len(bent.bodies)

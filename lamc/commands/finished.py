@@ -37,7 +37,10 @@ def finished_run(
     way_out = "run it again, or view the design itself"
     origin = str(manifest["source"])
     dimensions = manifest.get("design_parameters_set", {})
-    loaded = load_source(_source(folder, origin, source), times, progress, more=dimensions)
+    named = _source(folder, origin, source)
+    if manifest.get("facets") in ("rigid", "bend") and named.sheet.facets is None:
+        named = replace(named, sheet=replace(named.sheet, facets=manifest["facets"]))
+    loaded = load_source(named, times, progress, more=dimensions)
     mechanism = mechanism_of(loaded, times, progress)
     scene, _ = changed_scene(mechanism, SceneChanges(scene=manifest["scene"]))
     branch = manifest.get("branch", scene.branch)

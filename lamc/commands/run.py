@@ -86,9 +86,7 @@ def run(order: RunOrder, terminal: Terminal) -> int:
         loaded = load_source(order.source, times, progress, of_run=True)
         out, remark = run_folder(order.out, loaded, order.changes.scene)
         with output_folder(out, loaded.name) as folder:
-            made = _made(order, loaded, times, progress)
-            if apart := _came_apart(order, made):
-                made = _made(order, _of_bending(order, times, progress), times, progress)
+            made, apart = _of_facets(order, _made(order, loaded, times, progress), times, progress)
             report = _report(made, times, order.changes.scene, tuple(r for r in (remark, apart) if r))
             files, interrupted = _write_all(order, report, folder, times, progress)
     terminal.say(summary(report, folder, files, verbose=order.verbose))
@@ -98,13 +96,15 @@ def run(order: RunOrder, terminal: Terminal) -> int:
 
 @dataclass(frozen=True)
 class _Made:
-    """A run, of what, and why it is enough where it ended before its time."""
+    """A run, of what, and why it is enough where it ended before its time. facets: of a sheet, where they are others
+    than the options say."""
 
     loaded: Loaded
     simulator: Simulator
     account: tuple[Choice, ...]
     result: Result
     enough: str
+    facets: str | None = None
 
 
 def _made(order: RunOrder, loaded: Loaded, times: Times, progress: Progress) -> _Made:
@@ -119,17 +119,23 @@ def _made(order: RunOrder, loaded: Loaded, times: Times, progress: Progress) -> 
     return _Made(loaded, simulator, account, result, length.remark(simulator, result))
 
 
-def _came_apart(order: RunOrder, made: _Made) -> str:
-    """What is told where rigid facets of a drawing that closes only nearly came apart, and nobody asked for them to be
-    rigid; empty where they did not."""
+def _of_facets(order: RunOrder, made: _Made, times: Times, progress: Progress) -> tuple[_Made, str]:
+    """A run, or one of facets that bend in its place where rigid ones came apart that nobody asked for, and the other
+    got farther; and what is told of that."""
     misfit, path = made.simulator.loops.misfit, made.loaded.path
     if made.result.status not in _APART or made.simulator.loops.accepted_gap == 0.0 or misfit is None:
-        return ""
-    if path is None or path.suffix.lower() not in _DRAWINGS or order.source.sheet.facets is not None:
-        return ""
-    if made.simulator.mechanism.facet_creases:
-        return ""
-    return (
+        return made, ""
+    asked = order.source.sheet.facets is not None or order.changes.branch is not None
+    if asked or path is None or path.suffix.lower() not in _DRAWINGS:
+        return made, ""
+    try:
+        bent = _made(order, _of_bending(order, times, progress), times, progress)
+    except LamcError:
+        return made, ""
+    same = len(bent.simulator.mechanism.bodies) == len(made.simulator.mechanism.bodies)
+    if same or bent.result.t[-1] <= made.result.t[-1]:
+        return made, ""
+    return replace(bent, facets="bend"), (
         f"rigid facets came apart at t = {made.result.t[-1]:.3g} s, as {misfit.text}: this is a run of facets that "
         "bend, which have more freedoms and may fold another way; --facets rigid has the other, and a drawing of more "
         "digits needs neither"
@@ -207,6 +213,7 @@ def _report(made: _Made, times: Times, scene: str | None, remarks: tuple[str, ..
         scene=scene,
         remarks=remarks,
         enough=made.enough,
+        facets=made.facets,
         dimensions=told(loaded.record),
         given=given(loaded.record),
     )
@@ -283,6 +290,7 @@ def _data(report: RunReport) -> dict[str, Any]:
         "bodies": [{"name": b.name, "fixed": b.fixed, "mass": b.mass} for b in mechanism.bodies],
         "joints": list(simulator.joints),
         "freedoms": simulator.freedoms,
+        **({"facets": report.facets} if report.facets else {}),
         "loops": loops_data(simulator.loops, simulator.branches),
         "scene": report.scene,
         "scenes": list(mechanism.scenes),

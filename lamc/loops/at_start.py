@@ -72,7 +72,8 @@ def _as_drawn(tree: Tree, tolerance: float | None) -> LoopCount:
     geometry = geometry_of(tree)
     ends = [(joint.name, joint.parent, joint.child) for joint in tree.hinges]
     numbers = b"".join(each.tobytes() for each in (geometry.point, geometry.axis, geometry.near))
-    key = (tree.mechanism.size, tolerance, tuple(ends), numbers)
+    order = tuple(joint.name for joint in tree.mechanism.joints)  # branches are numbered by it
+    key = (tree.mechanism.size, tolerance, tuple(ends), order, numbers)
     found = _lately.get(key)
     if found is None:
         found = count_at(geometry, np.zeros(len(geometry.names)), tolerance)

@@ -203,9 +203,11 @@ def clear_of(geometry: LoopGeometry, angles: Array, place: Array) -> Array:
     for _ in range(MOST_STEPS):
         linear = geometry.linear(place)
         motions, far = linear.free(), float(np.abs(place - angles).max())
-        if len(motions) != free or linear.weak[0][free] >= FAINT or far > 0.9 * FARTHEST:
-            break
+        known = linear.weak[0]
+        clear = float(known[free]) if free < len(known) else 1.0
         ahead = motions.T @ (motions @ way)
+        if len(motions) != free or clear >= FAINT or far > 0.9 * FARTHEST or not np.abs(ahead).max() > 0.0:
+            break
         ahead *= min(step, FARTHEST - far) / np.abs(ahead).max()
         held = int(np.argmax(np.abs(ahead)))
         following, error = settle(geometry, place + ahead, np.arange(len(place)) != held, SOLVE)

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.linear import DENSE, FEW_ROWS, least_changes
+from lamc.loops.linear import DAMPING, DENSE, least_changes
 from lamc.records.mechanism import Array
 
 Mask = npt.NDArray[np.bool_]
@@ -19,7 +19,7 @@ SOLVE = 1e-9  # relative to the largest singular value: a smaller one is none of
 SMALL = 2e-2  # likewise: below it a singular value may be a misfit, some hundredths of a radian or of the size at most
 LONGEST_STEP = 0.5  # rad; lines of rotation are straight no farther
 MAX_ITERATIONS = 60
-FEW_ITERATIONS = 8  # of very large loops that fit badly, where weak directions are damped, and creep
+FEW_ITERATIONS = 8  # of damped ones
 STILL = 1e-10  # rad: a step that leaves open what it should close is the last, if it is as short
 NEAREST, NEARER, ARRIVED = (
     40,
@@ -46,12 +46,16 @@ def settle(
     columns = np.arange(len(angles)) if free is None else np.flatnonzero(free)
     residual, linear = geometry.closure(angles)
     error = float(np.abs(residual).max(initial=0.0))
-    most = MAX_ITERATIONS if cutoff <= SOLVE or len(angles) <= FEW_ROWS else FEW_ITERATIONS
-    for _ in range(most if len(columns) else 0):
+    # Of very large loops that fit badly, steps are damped, and weak directions creep.
+    damped = cutoff > DAMPING and nullity is None and linear.is_very_large()
+    for _ in range((FEW_ITERATIONS if damped else MAX_ITERATIONS) if len(columns) else 0):
         if error <= 1e-2 * CLOSED:
             break
         part = linear.part(columns)
-        step = part.least_change(-residual, cutoff if nullity is None else part.amid(nullity))
+        if damped:
+            step = part.damped_change(-residual, cutoff)
+        else:
+            step = part.least_change(-residual, cutoff if nullity is None else part.amid(nullity))
         longest = float(np.abs(step).max())
         if longest < 1e-15:
             break

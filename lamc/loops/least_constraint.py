@@ -24,6 +24,7 @@ STAGES = 8  # from one to the other
 ROUNDS = 4  # of Newton's method at each
 MOST_ROUNDS = 16  # of the ascent along the cone
 GAIN = 1e-4  # of the work: a round that gains less is the last
+NOTHING = 1e-9  # of the largest form
 SAMPLES = 4  # rows by which the sizes of forms are told
 SINGULAR = 1e-14  # of the largest: forms that depend on one another are solved for all the same
 DAMPED = 1e-3  # of the diagonal: where Newton's method begins
@@ -68,7 +69,10 @@ class _Cone:
         self.upper, self.by_energy = upper, by_energy
         samples = np.random.default_rng(20261127).normal(size=(SAMPLES, len(by_energy)))
         squares = [np.square(self._raw(y)).sum(axis=1) for y in samples]
-        self.scale = 1.0 / np.sqrt(np.mean(squares, axis=0) + np.finfo(float).tiny)
+        sizes = np.sqrt(np.mean(squares, axis=0))
+        # A form of a vertex that holds nothing on this space is round-off, and not to be made as large as the others.
+        least = NOTHING * sizes.max(initial=0.0)
+        self.scale = np.where(sizes > least, 1.0 / np.maximum(sizes, max(least, np.finfo(float).tiny)), 0.0)
 
     def _raw(self, y: Array) -> Array:
         return np.asarray(self.tangents.slopes(self.by_energy @ y) @ self.by_energy)
@@ -123,7 +127,7 @@ def _raised(cone: _Cone, wanted: Array, y: Array) -> Array:
         work = float(wanted @ y)
         slopes = cone.slopes(y)
         squares = slopes @ slopes.T
-        squares[np.diag_indices_from(squares)] += SINGULAR * np.trace(squares)
+        squares[np.diag_indices_from(squares)] += SINGULAR * np.trace(squares) + np.finfo(float).tiny
         uphill = wanted - slopes.T @ np.linalg.solve(squares, slopes @ wanted)
         uphill = (uphill - (uphill @ y) * y) / max(work, SHORTEST)
         while step > SHORTEST:

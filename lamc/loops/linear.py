@@ -169,16 +169,27 @@ class Linear:
 
     def least_change(self, goal: Array, cutoff: float) -> Array:
         """The smallest x (n,) for which J x is nearest to `goal` (m,), singular values below `cutoff` times the largest
-        counted as zero; of very large matrices, damped: to tell which they are takes a second."""
+        counted as zero."""
         if self.is_small:
             left, values, right = self.dense
             kept = np.count_nonzero(values > cutoff * self.scale)
             return np.asarray((goal @ left[:, :kept] / values[:kept]) @ right[:kept])
-        if cutoff <= DAMPING:
-            found = self._damped(goal, self._factors)
-            return found + self._damped(goal - self.matrix @ found, self._factors)
-        if self._squared is not None:
+        if cutoff > DAMPING and self._squared is not None:
             return self._least_of_strong(goal, cutoff)
+        found = self._damped(goal, self._factors)
+        found = found + self._damped(goal - self.matrix @ found, self._factors)
+        if cutoff > DAMPING:
+            weak = self.free(cutoff)
+            found = found - weak.T @ (weak @ found)
+        return np.asarray(found)
+
+    def is_very_large(self) -> bool:
+        """Whether to tell which directions are weak takes a second."""
+        return not self.is_small and self._squared is None
+
+    def damped_change(self, goal: Array, cutoff: float) -> Array:
+        """Some of `least_change`: (J^T J + e^2)^-1 J^T goal with e = cutoff times the largest singular value, most of
+        it along strong directions and little along weak ones."""
         return self._damped(goal, self._factored(cutoff))
 
     @cached_property

@@ -201,8 +201,8 @@ def _nearly(
 
 
 def _rises(found: Survey, start: Array, nullity: int) -> bool:
-    """Whether the `nullity` weakest equations at the places of a walk hold the more the farther these are from its
-    singular start: they are of the second order then, and no misfit, which is there from the start."""
+    """Whether the strongest of the `nullity` weakest equations holds so much at all places of a walk, by how far these
+    are from its singular start, that it is of the second order, and no misfit, which is there from the start."""
     return all(
         place.clearness(nullity - 1) > RISING * float(np.abs(place.angles - start).max())
         for place in found.places

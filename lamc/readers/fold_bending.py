@@ -41,8 +41,8 @@ def obstacle(sheet: Mechanism) -> str:
         loops = loops_of(tree, sheet.scene or Scene())
     except DesignError:
         return STILL
-    # Rigid facets whose misfit is accepted move as those of an exact drawing do, to a hundredth of a degree, or come
-    # apart on the way, by which equations they are closed by; facets that bend would choose ways of their own.
+    # Rigid facets whose misfit is accepted move as those of an exact drawing do, or come apart on the way, where the
+    # equations that close them are exchanged for others; facets that bend would choose ways of their own.
     if loops.misfit is None or loops.accepted_gap:
         return ""
     return f"rigid facets would stop or come apart, as {loops.misfit.text}"

@@ -34,6 +34,7 @@ class RunReport:
     scene    what the scene was called on the command line; None: the design's own
     beside   files that the design was read from besides `source`: name and SHA-256
     remarks  what else the user should know
+    facets   whether those of a sheet bend, where a run chose other ones than options say
     dimensions  parameters of the design; given: values of those that were set, SI
     """
 
@@ -47,6 +48,7 @@ class RunReport:
     scene: str | None = None
     beside: tuple[tuple[str, str], ...] = ()
     remarks: tuple[str, ...] = ()
+    facets: str | None = None
     enough: str = ""  # why an end before the end is as good; empty: it is not
     dimensions: Mapping[str, DesignParameter] = field(default_factory=dict)
     given: Mapping[str, float] = field(default_factory=dict)

@@ -24,10 +24,10 @@ def fold_over(
     mechanism: Mechanism, vertices: Sequence[Sequence[str]], joints: Sequence[str]
 ) -> Callable[[Array], str] | None:
     """Tells of the states of a run, one after the other, why the fold of a sheet is over, empty where it is not: all
-    hinges are within `NEAR` of 0, or of half turns and beyond, some of each vertex at half turns, and have not been so
-    from the start; or a hinge of a vertex has gone `THROUGH` beyond a half turn. Flaps on hinges of their own swing as
-    they like. None where that is no sheet's end: without plates at all hinges, or with axes that are all parallel, as
-    of planar linkages, which pass such positions in the middle of their motion."""
+    hinges are within `NEAR` of 0, or of half turns and beyond, some of each vertex at half turns, and some state
+    before was `OPEN`; or a hinge of a vertex has gone `THROUGH` beyond a half turn, and was not there at first. Flaps
+    on hinges of their own swing as they like. None where that is no sheet's end: without plates at all hinges, or with
+    axes that are all parallel, as of planar linkages, which pass such positions in the middle of their motion."""
     has_plates = {body.name: bool(body.outline) for body in mechanism.bodies}
     hinges = mechanism.joints
     if {joint.name for joint in hinges} != set(joints) or not vertices:

@@ -101,7 +101,7 @@ def drawn_by_eye(folder: Path, off: float) -> Path:
 
 
 @pytest.mark.parametrize("off", [1e-4, 1e-3])
-def test_facets_bend_where_rigid_ones_do_not_close(tmp_path: Path, off: float) -> None:
+def test_facets_bend_where_the_misfit_of_rigid_ones_is_not_accepted(tmp_path: Path, off: float) -> None:
     sheet, notes = read(drawn_by_eye(tmp_path, off))
     told = [note for note in notes if "they bend along diagonals" in note]
     # At 1e-3 of the size loops are off by more than is taken as closed: nothing moves.
@@ -151,6 +151,9 @@ def test_a_sheet_whose_rigid_facets_come_apart_is_run_with_facets_that_bend(
     (note,) = [note for note in manifest["notes"] if "came apart" in note]
     assert "--facets rigid" in note
     assert "freedoms" in note
+    assert manifest["facets"] == "bend"
+    seen = CliRunner().invoke(main, ["view", "o", "--out", "o.html"])
+    assert seen.exit_code == 0, seen.output
     asked = CliRunner().invoke(main, [*words, "--facets", "rigid"])
     assert asked.exit_code == 3
 

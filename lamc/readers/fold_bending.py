@@ -14,6 +14,7 @@ import shapely
 
 from lamc.basics.errors import DesignError
 from lamc.loops.at_start import loops_of
+from lamc.loops.geometry import geometry_of
 from lamc.mechanism.plan import plan
 from lamc.readers.fold_faces import Edge, Face
 from lamc.readers.fold_file import FoldFrame
@@ -34,8 +35,9 @@ def obstacle(sheet: Mechanism) -> str:
     if not sheet.joints:
         return STILL
     tree = plan(sheet)
-    # A vertex takes three freedoms at most: with fewer vertices than that, some are left.
-    if len(sheet.joints) > 3 * len(tree.cuts) or len(sheet.joints) > MOST:
+    # A vertex takes three freedoms at most, and a hole six: with fewer of them than that, some are left.
+    closing = sum(cycle.kind.equations for cycle in geometry_of(tree).cycles)
+    if len(sheet.joints) > closing or len(sheet.joints) > MOST:
         return ""
     try:
         loops = loops_of(tree, sheet.scene or Scene())

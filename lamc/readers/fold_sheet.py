@@ -121,6 +121,7 @@ class _Sheet:
         self.points = frame.vertices * unit_of(frame, options, self.notes)
         used = self.points[np.unique(np.array(frame.edges))]
         self.size = float(np.linalg.norm(np.ptp(used, axis=0))) or 1.0
+        self.drawn = 0  # creases of a flat sheet
         self.locked_most = ""  # why rigid facets leave too little of the fold; empty: they do not
 
     def mechanism(self, stem: str) -> tuple[Mechanism, list[str]]:
@@ -140,6 +141,11 @@ class _Sheet:
             self.size,
             self.notes,
         )
+        turning = sum(self.frame.kinds[k] in CREASED for crease in creases for k in crease.edges)
+        if turning < (1.0 - MOST_LOCKED) * self.drawn:
+            self.locked_most = (
+                f"rigid facets would stay flat along {self.drawn - turning} of {self.drawn} creases"
+            )
         polygons = [
             shapely.Polygon([facets.corners[k][v] for v in face]) for k, face in enumerate(facets.faces)
         ]
@@ -221,9 +227,7 @@ class _Sheet:
         """Facets stay one body along creases that cannot fold."""
         locked = locked_creases(self.frame, joined, self.points[:, :2])
         told = [k for k in locked if self.frame.kinds[k] != FACET]
-        drawn = sum(self.frame.kinds[k] in CREASED for k in joined)
-        if len(told) > MOST_LOCKED * drawn:
-            self.locked_most = f"rigid facets would stay flat along {len(told)} of {drawn} creases"
+        self.drawn = sum(self.frame.kinds[k] in CREASED for k in joined)
         if told:
             self.notes.append(
                 f"{self.frame.told(told)}: no hinge, as at one end all creases lie to one side of a line, and rigid "

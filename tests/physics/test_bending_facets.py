@@ -222,3 +222,26 @@ def test_facets_stay_rigid_where_bending_ones_would_be_refused(
     assert any("left rigid" in note and "--facets bend" in note for note in notes)
     meant, _ = read(path, large=True)
     assert len(meant.bodies) == len(bent.bodies)
+
+
+def test_facets_bend_around_a_hole_whose_creases_do_not_meet(tmp_path: Path) -> None:
+    """Four creases, as a pinwheel, are a loop of six equations: more than four, so that nothing moves."""
+    outer = [(0, 0), (20, 0), (40, 0), (40, 20), (40, 40), (20, 40), (0, 40), (0, 20)]
+    inner = [(12, 12), (28, 12), (28, 28), (12, 28)]
+    rim = [(k, (k + 1) % 8, "B") for k in range(8)] + [(8 + k, 8 + (k + 1) % 4, "B") for k in range(4)]
+    creases = [(2 * k + 1, 8 + k, "MV"[k % 2]) for k in range(4)]
+    lines = rim + creases
+    faces = [[2 * k + 1, (2 * k + 2) % 8, (2 * k + 3) % 8, 8 + (k + 1) % 4, 8 + k] for k in range(4)]
+    data = {
+        "file_spec": 1.1,
+        "frame_unit": "mm",
+        "vertices_coords": [*outer, *inner],
+        "edges_vertices": [line[:2] for line in lines],
+        "edges_assignment": [line[2] for line in lines],
+        "faces_vertices": faces,
+    }
+    path = fold_corpus.write(tmp_path / "pinwheel.fold", data)
+    sheet, notes = read(path)
+    assert any("nothing moves while facets are rigid: they bend" in note for note in notes)
+    assert len(sheet.bodies) == 12
+    assert lamc.compile(sheet).run(0.01).success

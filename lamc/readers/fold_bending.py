@@ -15,6 +15,7 @@ import shapely
 from lamc.basics.errors import DesignError
 from lamc.loops.at_start import loops_of
 from lamc.loops.geometry import geometry_of
+from lamc.loops.rank import LoopCount
 from lamc.mechanism.plan import plan
 from lamc.readers.fold_faces import Edge, Face
 from lamc.readers.fold_file import FoldFrame
@@ -25,6 +26,12 @@ from lamc.records.scene import Scene
 CREASED = "MVUH"  # kinds of creases
 FACET = "f"  # the kind of a crease along which a facet bends
 STIFFER = 10.0  # than a crease of its length: paper bends along its creases first
+# Of the sheet's size: what six digits leave, up to some 8e-5. Rigid facets with such a misfit move as those of the
+# exact drawing do, where facets that bend choose ways of their own; beyond, they soon stop or come apart.
+NEARLY = 1e-4
+# 1/rad: of the largest singular value of the closure, by how far a sheet is from flat. Loops that are meant have some
+# 1e-3 and more; those of a hypar with one corner off by a pixel, which move exactly all the same, 1e-6.
+FAINT = 1e-5
 STILL = "nothing moves while facets are rigid"
 MOST = 1500  # hinges: of more, it takes too long to find out whether rigid facets move
 
@@ -43,11 +50,18 @@ def obstacle(sheet: Mechanism) -> str:
         loops = loops_of(tree, sheet.scene or Scene())
     except DesignError:
         return STILL
-    # Rigid facets whose misfit is accepted move as those of an exact drawing do, or come apart on the way, where the
-    # equations that close them are exchanged for others; facets that bend would choose ways of their own.
-    if loops.misfit is None or loops.accepted_gap:
+    if loops.branch_ranks and _weakest(loops) < FAINT:
+        return "rigid facets would crawl, as the drawing's rounding alone holds some of their loops"
+    if loops.misfit is None or loops.misfit.gap <= NEARLY * sheet.size:
         return ""
     return f"rigid facets would stop or come apart, as {loops.misfit.text}"
+
+
+def _weakest(loops: LoopCount) -> float:
+    """What the weakest equation of loops holds of the strongest, by the distance from the flat position, 1/rad."""
+    far = max(map(abs, loops.position), default=0.0)
+    values = [value / loops.singular_values[0] for value in loops.singular_values]
+    return min((value for value in values if value > loops.cutoff), default=1.0) / far if far else 1.0
 
 
 def bending(frame: FoldFrame, faces: Sequence[Face], corners: Corners) -> FoldFrame:

@@ -43,3 +43,28 @@ def test_what_holds_weakly_is_left_alone(rows: int, columns: int) -> None:
     assert linear.least_change(goal, 5e-3) == pytest.approx(expected, abs=1e-12)
     nullity = columns - int(np.count_nonzero(kept))
     assert 1e-4 < linear.amid(nullity) < 1.0
+
+
+@pytest.mark.parametrize("cutoff", [5e-3, 2e-2])
+def test_damped_changes_take_away_what_is_strong_and_little_of_what_is_weak(
+    cutoff: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As of more than 700 equations: eight in turn leave a hundred thousandth of the strong part of a goal."""
+    monkeypatch.setattr("lamc.loops.linear.FEW_ROWS", 0)
+    full = matrix(100, 70, 12)
+    goal = np.random.default_rng(8).normal(size=100)
+    left, values, right = np.linalg.svd(full, full_matrices=False)
+    strong = (
+        values > 5.0 * cutoff * values[0]
+    )  # a tenth of what is as strong as that stays each time, and less
+    linear = Linear(sparse.csr_array(full))
+    assert linear.is_very_large()
+    found = np.zeros(70)
+    for _ in range(8):
+        found = found + linear.damped_change(goal - full @ found, cutoff)
+    missed = left[:, strong].T @ (goal - full @ found)
+    assert np.abs(missed).max() < 1e-5 * np.abs(goal).max()
+    weak = right[~strong] @ found
+    # Singular values of 1e-4 with a cutoff of 1e-2: a share of their square's ratio, eight times.
+    most = 8.0 * 1e-4 / (cutoff * values[0]) ** 2 * np.abs(goal).sum()
+    assert np.abs(weak).max() <= most

@@ -51,7 +51,8 @@ FILES = (
     *("animation.mp4", "animation.gif"),
 )
 
-_DRAWINGS = (".fold", ".svg", ".dxf")
+_DRAWINGS = (".fold", ".svg", ".dxf")  # for which --facets is
+# How runs of rigid facets end that fit badly: their equations part, or no step is short enough.
 _APART = (Status.CLOSURE_LOST, Status.STEP_UNDERFLOW, Status.RANK_LOST)
 _LIMIT_NUMBERS = 100_000_000  # that can be asked for: 0.8 GB for the table alone
 

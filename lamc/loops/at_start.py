@@ -4,6 +4,7 @@ In: a `Tree` and a `Scene`. Out: a `LoopCount`. Never: looks at loads, which cho
 the count then has the rank of each.
 """
 
+import threading
 from collections.abc import Hashable
 from dataclasses import replace
 
@@ -23,6 +24,7 @@ from lamc.records.scene import Scene
 
 LATELY = 4  # counts that are known
 _lately: dict[Hashable, LoopCount] = {}
+_guard = threading.Lock()  # of what is forgotten
 CLOSED = LoopCount(0, 0, 0, 0)  # what is taken as read before loops are counted
 
 
@@ -77,9 +79,10 @@ def _as_drawn(tree: Tree, tolerance: float | None) -> LoopCount:
     found = _lately.get(key)
     if found is None:
         found = count_at(geometry, np.zeros(len(geometry.names)), tolerance)
-        while len(_lately) >= LATELY:
-            _lately.pop(next(iter(_lately)), None)
-        _lately[key] = found
+        with _guard:
+            while len(_lately) >= LATELY:
+                _lately.pop(next(iter(_lately)))
+            _lately[key] = found
     return found
 
 

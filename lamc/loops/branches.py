@@ -26,13 +26,9 @@ OUT = 1e-3  # rad, of the joint that turns most: how far a start is moved out of
 BENDS = (
     50.0  # 1/rad: a branch bends by some radians per square radian; farther from the tangent is another one
 )
-FAINT = (
-    1e-5  # of the largest singular value: of loops that hold as little, accelerations have some six digits
-)
-FARTHEST = (
-    0.05  # rad, of the joint that turns most: how far a start is moved for that, by at most so many steps
-)
-MOST_STEPS = 12
+FAINT = 1e-5  # of the largest singular value: of loops that hold so little, accelerations have six digits
+# Rad, of the joint that turns most: how far a start is moved for that, by at most so many steps.
+FARTHEST, MOST_STEPS = 0.05, 12
 BENT = 0.1  # of such a step: what is farther from the tangent is another motion
 ASKED = 4  # directions about those that loads ask for, where not all branches are known
 ABOUT = 0.3  # of each rate: as far apart are these, so that what is alike in two creases does not stay so

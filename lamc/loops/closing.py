@@ -47,7 +47,7 @@ def settle(
     residual, linear = geometry.closure(angles)
     error = float(np.abs(residual).max(initial=0.0))
     # Of very large loops that fit badly, steps are damped, and weak directions creep.
-    damped = cutoff > DAMPING and nullity is None and linear.is_very_large()
+    damped = cutoff > DAMPING and nullity is None and linear.is_very_large
     for _ in range((FEW_ITERATIONS if damped else MAX_ITERATIONS) if len(columns) else 0):
         if error <= 1e-2 * CLOSED:
             break

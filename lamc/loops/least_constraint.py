@@ -29,19 +29,14 @@ SAMPLES = 4  # rows by which the sizes of forms are told
 SINGULAR = 1e-14  # of the largest: forms that depend on one another are solved for all the same
 DAMPED = 1e-3  # of the diagonal: where Newton's method begins
 SHORTEST = 1e-3  # of a step along the cone
-BESIDE = (
-    0.0,
-    0.1,
-    0.1,
-    0.3,
-    0.3,
-)  # of the size of what is asked for: what is alike in two creases does not stay so
+# Of the size of what is asked for, where that itself leads to a corner: what is alike in two creases does not stay so.
+BESIDE = (0.0, 0.1, 0.1, 0.3, 0.3)
 
 
 def least_constrained(tangents: Tangents, inertia: Array, asked: Array, fit: Fit) -> Iterator[Array]:
     """Zeros (d,) of length one of all forms, near to the rates (n,) that loads ask for, by the inertia (d, d) of the
-    free rates: where these lead, and then where rates a little beside them do. None where the inertia is singular, or
-    nothing is asked for."""
+    free rates: where these lead, and then where rates a little beside them do. Yields nothing where the inertia is
+    singular, or nothing is asked for."""
     try:
         upper = np.linalg.cholesky(inertia).T
     except np.linalg.LinAlgError:

@@ -183,9 +183,10 @@ class Linear:
             found = found - weak.T @ (weak @ found)
         return np.asarray(found)
 
+    @cached_property
     def is_very_large(self) -> bool:
         """Whether to tell which directions are weak takes a second."""
-        return not self.is_small and self._squared is None
+        return not self.is_small and min(len(self.used), self.count) > FEW_ROWS
 
     def damped_change(self, goal: Array, cutoff: float) -> Array:
         """Some of `least_change`: (J^T J + e^2)^-1 J^T goal with e = cutoff times the largest singular value, most of
@@ -195,12 +196,12 @@ class Linear:
     @cached_property
     def _squared(self) -> tuple[Array, Array] | None:
         """Eigenvalues, as singular values (k,) relative to the largest, ascending, and eigenvectors (k, k) by columns
-        of J^T J, or of J J^T where the rows that hold something are fewer; None where both are many. Values below
+        of J^T J, or of J J^T where the rows that hold something are fewer; None of a very large matrix. Values below
         1e-8 are round-off."""
+        if self.is_very_large:
+            return None
         rows = self.matrix[self.used]
         square = rows.T @ rows if len(self.used) > self.count else rows @ rows.T
-        if square.shape[0] > FEW_ROWS:
-            return None
         values, vectors = np.linalg.eigh(square.toarray())
         return np.sqrt(np.maximum(values, 0.0)) / self.scale, vectors
 

@@ -31,7 +31,7 @@ STIFFER = 10.0  # than a crease of its length: paper bends along its creases fir
 NEARLY = 1e-4
 # 1/rad: of the largest singular value of the closure, by how far a sheet is from flat. Loops that are meant have some
 # 1e-3 and more; those of a hypar with one corner off by a pixel, which move exactly all the same, 1e-6.
-FAINT = 1e-5
+BARELY = 1e-5
 STILL = "nothing moves while facets are rigid"
 MOST = 1500  # hinges: of more, it takes too long to find out whether rigid facets move
 
@@ -50,7 +50,8 @@ def obstacle(sheet: Mechanism) -> str:
         loops = loops_of(tree, sheet.scene or Scene())
     except DesignError:
         return STILL
-    if loops.branch_ranks and _weakest(loops) < FAINT:
+    is_flat = not any(sheet.scene.angles.values()) if sheet.scene else True
+    if loops.branch_ranks and is_flat and _weakest(loops) < BARELY:
         return "rigid facets would crawl, as the drawing's rounding alone holds some of their loops"
     if loops.misfit is None or loops.misfit.gap <= NEARLY * sheet.size:
         return ""
@@ -58,7 +59,7 @@ def obstacle(sheet: Mechanism) -> str:
 
 
 def _weakest(loops: LoopCount) -> float:
-    """What the weakest equation of loops holds of the strongest, by the distance from the flat position, 1/rad."""
+    """What the weakest equation of loops that start flat holds of the strongest, by the way from there, 1/rad."""
     far = max(map(abs, loops.position), default=0.0)
     values = [value / loops.singular_values[0] for value in loops.singular_values]
     return min((value for value in values if value > loops.cutoff), default=1.0) / far if far else 1.0

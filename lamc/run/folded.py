@@ -14,9 +14,7 @@ NEAR = np.radians(1.0)  # of 0 or a half turn: nearer, loops that pass through i
 # Beyond a half turn. A facet on a crease of its own that rests at 180°, damped as sheets are, swings 16 % of it beyond,
 # 29°, and comes back.
 THROUGH = np.radians(30.0)
-OPEN = np.radians(
-    10.0
-)  # from 0 and a half turn: a sheet that folds has been as far from flat and from folded flat
+OPEN = np.radians(10.0)  # from 0 and a half turn: as far a sheet that folds has been, on its way between them
 _PARALLEL = 1e-6  # sine of the angle between axes, as drawn
 
 
@@ -41,6 +39,9 @@ def fold_over(
 
 
 class _Fold:
+    """Asked of the states of one run. inner: the joints of vertices, without flaps. began: their angles, rad, without
+    signs, when it was first asked."""
+
     def __init__(self, vertices: Sequence[Sequence[str]], joints: tuple[str, ...]) -> None:
         self.joints = joints
         place = {name: index for index, name in enumerate(joints)}

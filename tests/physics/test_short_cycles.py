@@ -75,8 +75,7 @@ def test_a_vertex_of_many_creases_is_found_behind_a_short_way_around_all() -> No
     spokes = [Edge(k, 12 + k) for k in range(9)] + [Edge(12 + k, 9 + k // 3) for k in range(9)]
     outer = [Edge(9 + k, 9 + (k + 1) % 3) for k in range(3)]
     edges = (*inner, *spokes, *outer)
-    hub, around = frozenset(range(9)), frozenset((27, 28, 29))
-    faces = {hub}
+    faces = {frozenset(range(9))}
     for k in range(9):
         after = (k + 1) % 9
         crossed = {k, 9 + k, 18 + k, 9 + after, 18 + after} | ({27 + k // 3} if k % 3 == 2 else set())
@@ -88,7 +87,6 @@ def test_a_vertex_of_many_creases_is_found_behind_a_short_way_around_all() -> No
     basis = shortest_basis(edges, tuple(range(len(edges))), equations)
     assert len(basis) == len(edges) - 21 + 1
     assert {frozenset(ring) for ring in basis} == faces
-    assert around not in faces
 
 
 @needs_cc

@@ -46,25 +46,21 @@ def test_what_holds_weakly_is_left_alone(rows: int, columns: int) -> None:
 
 
 @pytest.mark.parametrize("cutoff", [5e-3, 2e-2])
-def test_damped_changes_take_away_what_is_strong_and_little_of_what_is_weak(
+def test_damped_changes_in_turn_are_those_of_damped_least_squares(
     cutoff: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As of more than 700 equations: eight in turn leave a hundred thousandth of the strong part of a goal."""
+    """As of more than 700 equations: of a singular value s, a pass leaves e^2 / (s^2 + e^2) of what it is to take."""
     monkeypatch.setattr("lamc.loops.linear.FEW_ROWS", 0)
     full = matrix(100, 70, 12)
     goal = np.random.default_rng(8).normal(size=100)
     left, values, right = np.linalg.svd(full, full_matrices=False)
-    strong = (
-        values > 5.0 * cutoff * values[0]
-    )  # a tenth of what is as strong as that stays each time, and less
     linear = Linear(sparse.csr_array(full))
-    assert linear.is_very_large()
+    assert linear.is_very_large
     found = np.zeros(70)
     for _ in range(8):
         found = found + linear.damped_change(goal - full @ found, cutoff)
-    missed = left[:, strong].T @ (goal - full @ found)
-    assert np.abs(missed).max() < 1e-5 * np.abs(goal).max()
-    weak = right[~strong] @ found
-    # Singular values of 1e-4 with a cutoff of 1e-2: a share of their square's ratio, eight times.
-    most = 8.0 * 1e-4 / (cutoff * values[0]) ** 2 * np.abs(goal).sum()
-    assert np.abs(weak).max() <= most
+    damping = (cutoff * linear.scale) ** 2
+    taken = 1.0 - (damping / (values**2 + damping)) ** 8
+    expected = (taken * (left.T @ goal) / values) @ right
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * float(np.abs(expected).max()))
+    assert taken[values > 1e-3].min() > 1.0 - 1e-9  # what is strong is taken wholly

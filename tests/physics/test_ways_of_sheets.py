@@ -69,8 +69,8 @@ def test_the_way_taken_has_most_work_done_on_it_near_by(kind: str, tmp_path: Pat
     scaled = np.array([way / np.sqrt(way @ inertia @ way) for way in along])
     here = float(np.sqrt(found @ inertia @ found))
     slopes = [(work(found + 1e-4 * here * w) - work(found - 1e-4 * here * w)) / 2e-4 for w in scaled]
-    # A round that gains less than a ten thousandth of the work is the last, as the square of a slope: a hundredth of it,
-    # and as much again for how the cone bends. Without that ascent, 0.037 are left on one of the two sheets.
+    # A round that gains less than a ten thousandth of the work is the last, as the square of a slope: a hundredth of
+    # it, and as much again for how the cone bends. Without that ascent, 0.037 are left on one of the two sheets.
     assert np.abs(slopes).max() < 0.02 * float(np.sqrt(asked @ inertia @ asked))
 
 

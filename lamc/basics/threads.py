@@ -9,7 +9,7 @@ import functools
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any, ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -37,11 +37,20 @@ def one_thread() -> Iterator[None]:
         yield
         return
     _within.has_scipy = has_scipy
+    outer, _within.later = getattr(_within, "later", None), ExitStack()
     try:
-        with _libraries(has_scipy).limit(limits=1):
+        with _libraries(has_scipy).limit(limits=1), _within.later:
             yield
     finally:
-        _within.has_scipy = before
+        _within.has_scipy, _within.later = before, outer
+
+
+def hold_scipy_too() -> None:
+    """Of whoever loads scipy within the context: its BLAS, which came after the context began, has one thread as well
+    until that ends."""
+    if getattr(_within, "has_scipy", None) is False and "scipy.linalg" in sys.modules:
+        _within.later.enter_context(_libraries(True).limit(limits=1))
+        _within.has_scipy = True
 
 
 @functools.cache

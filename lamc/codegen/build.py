@@ -8,8 +8,9 @@ outside the cache.
 
 import hashlib
 import io
+import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -24,10 +25,9 @@ from lamc.codegen.module import BINDING, LIBRARY, SOURCES, Module, load_module
 from lamc.codegen.options import MACHINE, CompileOptions
 from lamc.codegen.toolchain import Compiler, make_library, make_objects
 
-# The one unit of the library: the C of the model, the element or the ply, and the generic name under which the Python
-# side asks for it, whatever its prefix is. Two units would have the compiler read the headers twice.
-_THIS = """#include "{prefix}.c"
-
+# The unit of the library: the C of the model, the element or the ply, and the generic name under which the Python side
+# asks for it, whatever its prefix is.
+_THIS = """{text}
 const lamc_{kind} *lamc_this_{kind}(void);
 
 const lamc_{kind} *lamc_this_{kind}(void) {{ return {prefix}_{kind}(); }}
@@ -38,6 +38,7 @@ const lamc_{kind} *lamc_this_{kind}(void) {{ return {prefix}_{kind}(); }}
 # code waits for memory; 5 x 5 waterbombs (1.4 MB) 10 s in place of 15, and 1.46 ms in place of 1.47. The runtime, in
 # which dense parts are solved, keeps -O2: without it the waterbombs lose a fifth.
 LARGE = 500_000
+_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 
 
 def module_key(structure: str, compiler: Compiler, options: CompileOptions, tree: SourceTree) -> str:
@@ -71,6 +72,7 @@ def build(
             "lamc": __version__,
         }
         objects = _runtime_objects(tree, compiler, options, cache, noted)
+        objects += _function_objects(tree, compiler, options, cache, noted)
         folder = cache.put(key, _maker(tree, objects, compiler, options), noted)
     return key, load_module(folder), found
 
@@ -96,6 +98,48 @@ def _runtime_objects(
     return [folder / name for name in objects]
 
 
+def _function_objects(
+    tree: SourceTree, compiler: Compiler, options: CompileOptions, cache: Cache, noted: Mapping[str, str]
+) -> list[Path]:
+    """Objects of a large model's functions, in as many units as two processors compile at once; none of a small one, of
+    which it would take longer to read the headers twice. What its loops come to is no matter to them: on a branch of
+    another rank they are found."""
+    if not _is_apart(tree, options):
+        return []
+    _, includes, *functions, _ = tree.pieces
+    header = f"{tree.prefix}.h"
+    units = {f"functions_{k}.c": includes + text for k, text in enumerate(_halves(functions))}
+    files = {name: tree.files[name] for name in (*tree.shared, header) if name.endswith(".h")}
+    flags = _flags(tree, options)
+    parts = ["functions", __version__, compiler.identity, *flags]
+    known = [_COMMENT.sub("", text) for text in (*files.values(), *units.values())]
+    digest = hashlib.sha256("\0".join([*parts, *files, *known]).encode()).hexdigest()
+    key = f"functions-{digest}"
+
+    def make(folder: Path) -> None:
+        for name, text in {**files, **units}.items():
+            (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        make_objects(compiler, flags, list(units), folder)
+        for name in (*files, *units):
+            (folder / name).unlink()
+
+    folder = cache.find(key) or cache.put(key, make, noted)
+    return [folder / f"{Path(name).stem}.o" for name in units]
+
+
+def _is_apart(tree: SourceTree, options: CompileOptions) -> bool:
+    """Whether the functions of a model are compiled apart from what it says of itself."""
+    return len(tree.pieces) > 3 and _flags(tree, options) != list(options.flags)
+
+
+def _halves(functions: Sequence[str]) -> list[str]:
+    """Texts of functions in two parts of about equal length, the largest first."""
+    halves: list[list[str]] = [[], []]
+    for text in sorted(functions, key=len, reverse=True):
+        min(halves, key=lambda half: sum(map(len, half))).append(text)
+    return ["".join(half) for half in halves if half]
+
+
 def _maker(
     tree: SourceTree, objects: list[Path], compiler: Compiler, options: CompileOptions
 ) -> Callable[[Path], None]:
@@ -104,7 +148,11 @@ def _maker(
         source.mkdir()
         write_sources(tree, source)
         entry = f"_this_{tree.kind}.c"  # no unit of the runtime has such a name: objects are named after their units
-        (folder / entry).write_text(_THIS.format(prefix=tree.prefix, kind=tree.kind), encoding="utf-8")
+        text = f'#include "{tree.prefix}.c"\n'
+        if _is_apart(tree, options):
+            text = tree.pieces[0] + tree.pieces[1] + tree.pieces[-1]
+        this = _THIS.format(text=text, prefix=tree.prefix, kind=tree.kind)
+        (folder / entry).write_text(this, encoding="utf-8")
         flags = [*options.flags, f"-I{SOURCES}"]
         own = [*_flags(tree, options), f"-I{SOURCES}"]
         beside = _beside(tree, compiler, flags, folder)

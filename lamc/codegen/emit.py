@@ -41,6 +41,7 @@ _AT_PRECISION = (
     "momenta",
 )  # closure must be exact, and the rest costs little
 
+_SEAM = "\x1e"  # between pieces of a model's C while it is rendered: no name or text has control characters
 EXAMPLE = "main.c"  # shows how to call the model, and is not compiled
 IN_A_LINE = 20  # numbers of a table
 GEOMETRY = "geometry"  # member of the struct of parameters that holds the numbers of the drawing
@@ -59,6 +60,8 @@ class SourceTree:
     beside: tuple[str, ...] = ()  # units compiled beside the model's own
     machine: tuple[str, ...] = ()  # the same, for this very machine; none: all is for any of its kind
     functions: tuple[object, ...] = field(default=(), repr=False, compare=False)  # as they were laid out
+    # Of a model's C: the comment at its head, what it includes, each of its functions, and what stands behind
+    pieces: tuple[str, ...] = field(default=(), repr=False, compare=False)
 
 
 @dataclass(frozen=True)
@@ -105,9 +108,11 @@ def emit(
     functions = like.functions if like is not None else _laid_out(program, precision, number)
     context = _context(program, prefix, number, functions)
     context["recording"] = recording_context(recording, number) if recording is not None else None
+    context["seam"] = _SEAM
+    pieces = environment().get_template("model.c.j2").render(context).split(_SEAM)
     files = {
         f"{prefix}.h": environment().get_template("model.h.j2").render(context),
-        f"{prefix}.c": environment().get_template("model.c.j2").render(context),
+        f"{prefix}.c": "".join(pieces),
         EXAMPLE: environment().get_template("main.c.j2").render(context),
         **runtime,
     }
@@ -115,7 +120,13 @@ def emit(
     # Those of the model's own functions are C users' alone: what Python calls is the same for every model.
     declarations = declarations_of(runtime["lamc_real.h"] + runtime["lamc.h"])
     return SourceTree(
-        prefix, MappingProxyType(files), compiled, declarations, tuple(sorted(runtime)), functions=functions
+        prefix,
+        MappingProxyType(files),
+        compiled,
+        declarations,
+        tuple(sorted(runtime)),
+        functions=functions,
+        pieces=tuple(pieces),
     )
 
 

@@ -53,7 +53,8 @@ class Lowering:
             shape = self._shape(index, operands)
             target = Operand(Space.LOCAL, position)
             section = sections.setdefault(store.sections[store.section_of[index]], len(sections))
-            statements.append(Statement(target, shape, tuple(operands), section, store.link_of[index]))
+            origin = store.link_of[index], store.step_of[index]
+            statements.append(Statement(target, shape, tuple(operands), section, *origin))
             self.slots[index] = target
         return Function(
             name=name,

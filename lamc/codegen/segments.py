@@ -6,6 +6,7 @@ of one block (213 s for 11 000 lines at -O2) and a kernel stays in the instructi
 build and to run. A segment reads values of other segments through a row of indices.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from lamc.symbolic.program import Function, Operand, Shape, Space, Statement
@@ -68,9 +69,7 @@ class Layout:
 def lay_out(function: Function) -> Layout:
     """The layout of `function`; time and size are linear in its length."""
     segments = _segments(function)
-    numbers: dict[Pattern, list[int]] = {}
-    for number, segment in enumerate(segments):
-        numbers.setdefault(segment.pattern, []).append(number)
+    numbers = _alike(segments)
     crossing = _crossing(function, segments)
     class_of: list[int | None] = [None] * len(segments)
     classes: list[KernelClass] = []
@@ -101,14 +100,37 @@ def lay_out(function: Function) -> Layout:
     return Layout(tuple(segments), tuple(class_of), tuple(classes), place, len(place))
 
 
+def _alike(segments: Sequence[Segment]) -> dict[Pattern, list[int]]:
+    """The segments of each pattern, by their numbers."""
+    numbers: dict[Pattern, list[int]] = {}
+    for number, segment in enumerate(segments):
+        numbers.setdefault(segment.pattern, []).append(number)
+    return numbers
+
+
 def _segments(function: Function) -> list[Segment]:
-    segments: list[Segment] = []
+    """By links; those that are like no others by their steps."""
     statements = function.statements
-    start = 0
-    for stop in range(1, len(statements) + 1):
-        if stop == len(statements) or _owner(statements[stop]) != _owner(statements[start]):
-            segments.append(_segment(statements, start, stop))
-            start = stop
+    whole = _runs(statements, 0, len(statements), _owner)
+    numbers = _alike(whole)
+    segments: list[Segment] = []
+    for segment in whole:
+        if len(numbers[segment.pattern]) < MIN_INSTANCES:
+            segments += _runs(statements, segment.start, segment.stop, lambda statement: statement.step)
+        else:
+            segments.append(segment)
+    return segments
+
+
+def _runs(
+    statements: tuple[Statement, ...], start: int, stop: int, of: Callable[[Statement], object]
+) -> list[Segment]:
+    """Statements [start, stop) in runs that are of one thing."""
+    segments: list[Segment] = []
+    for end in range(start + 1, stop + 1):
+        if end == stop or of(statements[end]) != of(statements[start]):
+            segments.append(_segment(statements, start, end))
+            start = end
     return segments
 
 

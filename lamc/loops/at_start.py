@@ -4,8 +4,6 @@ In: a `Tree` and a `Scene`. Out: a `LoopCount`. Never: looks at loads, which cho
 the count then has the rank of each.
 """
 
-import threading
-from collections.abc import Hashable
 from dataclasses import replace
 
 import numpy as np
@@ -22,9 +20,6 @@ from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 from lamc.records.scene import Scene
 
-LATELY = 4  # counts that are known
-_lately: dict[Hashable, LoopCount] = {}
-_guard = threading.Lock()  # of what is forgotten
 CLOSED = LoopCount(0, 0, 0, 0)  # what is taken as read before loops are counted
 
 
@@ -69,21 +64,9 @@ def loops_of(tree: Tree, scene: Scene) -> LoopCount:
 
 
 def _as_drawn(tree: Tree, tolerance: float | None) -> LoopCount:
-    """The count as drawn. Of one that was counted lately it is known: whether a sheet's rigid facets fold is asked as
-    it is read, and what its loops come to as it is compiled."""
     geometry = geometry_of(tree)
-    ends = [(joint.name, joint.parent, joint.child) for joint in tree.hinges]
-    numbers = b"".join(each.tobytes() for each in (geometry.point, geometry.axis, geometry.near))
-    order = tuple(joint.name for joint in tree.mechanism.joints)  # branches are numbered by it
-    key = (tree.mechanism.size, tolerance, tuple(ends), order, numbers)
-    found = _lately.get(key)
-    if found is None:
-        found = count_at(geometry, np.zeros(len(geometry.names)), tolerance)
-        with _guard:
-            while len(_lately) >= LATELY:
-                _lately.pop(next(iter(_lately)))
-            _lately[key] = found
-    return found
+    drawn = np.zeros(len(geometry.names))
+    return geometry.lately(("count", tolerance), lambda: count_at(geometry, drawn, tolerance))
 
 
 @on_one_thread

@@ -71,19 +71,30 @@ def find_branches(
     led = None if lead is None else lead(angles)
     if local.is_one_family:
         return _one_of_many(geometry, angles, local, led, rank)
-    size = local.basis.shape[1]
-    solutions = binary(local.forms, fit) if size == 2 else spherical(local, local.basis, fit)
-    digits = 7 if fit is EXACTLY else 1  # numbered alike, whatever the rounding of the drawing
-    found = sorted(
-        _followed(geometry, angles, local, solutions, fit),
-        key=lambda b: (b.freedoms, [round(r, digits) + 0.0 for r in b.rates.values()]),
+    known, of = geometry.lately(
+        ("branches", angles.tobytes(), fit), lambda: _known(geometry, angles, local, fit)
     )
-    if led is not None and (size > FEW_FREE or len(solutions) >= MOST):
+    found = list(known)
+    if led is not None and (local.basis.shape[1] > FEW_FREE or of >= MOST):
         pushed = itertools.islice(_pushed(geometry, angles, local, led, fit), 1)
         near = [(x, local.freedoms(x, fit.family)) for x in pushed]
         asked = _followed(geometry, angles, local, near + _near(local, led, fit), fit)
         found += [branch for branch in asked if not any(_are_same(branch, other, fit) for other in found)]
     return tuple(found)
+
+
+def _known(
+    geometry: LoopGeometry, angles: Array, tangents: Tangents, fit: Fit
+) -> tuple[tuple[Branch, ...], int]:
+    """Branches without a look at loads, and of how many zeros they are those that lead out."""
+    few = tangents.basis.shape[1] == 2
+    zeros = binary(tangents.forms, fit) if few else spherical(tangents, tangents.basis, fit)
+    digits = 7 if fit is EXACTLY else 1  # numbered alike, whatever the rounding of the drawing
+    found = sorted(
+        _followed(geometry, angles, tangents, zeros, fit),
+        key=lambda b: (b.freedoms, [round(r, digits) + 0.0 for r in b.rates.values()]),
+    )
+    return tuple(found), len(zeros)
 
 
 def _followed(
@@ -177,13 +188,21 @@ def _leads_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit) ->
 def moved_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit = EXACTLY) -> Array | None:
     """The closed position (n,) that is OUT from a singular one along a branch, or farther where loops fit badly; None
     where none is near."""
+    question = ("moved out", angles.tobytes(), rates.tobytes(), fit)
+    place = geometry.lately(question, lambda: _moved_out(geometry, angles, rates, fit))
+    return None if place is None else place.copy()
+
+
+def _moved_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit) -> Array | None:
     held = int(np.argmax(np.abs(rates)))
     guess = angles + OUT / abs(rates[held]) * rates
     # Nearly, fading equations are as weak as a misfit is: the place stays open by the second order.
     cutoff = SOLVE if fit is EXACTLY else OUT * fit.weak
-    place, error = settle(geometry, guess, np.arange(len(rates)) != held, cutoff)
+    # What of a misfit is weaker than all that large matrices tell apart is closed a little by each step: it creeps.
+    enough = max(CLOSED, fit.zero * OUT**2 if fit is not EXACTLY else 0.0)
+    place, error = settle(geometry, guess, np.arange(len(rates)) != held, cutoff, enough=enough)
     near = np.abs(place - guess).max() < BENDS * OUT**2
-    if error <= max(CLOSED, fit.zero * OUT**2 if fit is not EXACTLY else 0.0) and near:
+    if error <= enough and near:
         return place
     if fit is EXACTLY:
         return None

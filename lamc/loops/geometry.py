@@ -4,8 +4,11 @@ In: a `Tree` and angles of all its joints, those of the tree first, then the cut
 uses the frames of the tree, sympy, or compiled code, so that it stands beside the derivation and not on it.
 """
 
+import threading
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,6 +20,11 @@ from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array, Joint
 
 RECENT = 64  # closures that are kept: a search comes back to where its last step ended
+LATELY, MOST_FOUND = 4, 256  # loops of which it is known what was found lately, and how much of each
+_T = TypeVar("_T")
+_lately: dict[Hashable, dict[Hashable, object]] = {}
+_guard = threading.Lock()  # of what is forgotten
+_UNKNOWN = object()
 
 
 @dataclass(frozen=True)
@@ -55,6 +63,31 @@ class LoopGeometry:
 
         # A large matrix is taken apart in seconds, and asked for in one place after another.
         self._linear = lru_cache(maxsize=2)(lambda packed: self.closure(np.frombuffer(packed))[1])
+
+    @cached_property
+    def drawing(self) -> Hashable:
+        """All that closure depends on: loops of equal ones have equal answers, whatever their bodies weigh."""
+        ends = tuple((joint.name, joint.parent, joint.child) for joint in self.tree.hinges)
+        numbers = b"".join(each.tobytes() for each in (self.point, self.axis, self.near))
+        order = tuple(joint.name for joint in self.tree.mechanism.joints)  # branches are numbered by it
+        return self.size, ends, order, numbers
+
+    def lately(self, question: Hashable, answer: Callable[[], _T]) -> _T:
+        """What `answer` gives, which depends on the closure alone and is not changed afterwards. Of loops drawn alike
+        it is known from the last time: whether a sheet folds is asked as it is read, what its loops come to as it is
+        compiled, and where they lead as it starts."""
+        found = _lately.get(self.drawing, {}).get(question, _UNKNOWN)
+        if found is not _UNKNOWN:
+            return found  # type: ignore[return-value]
+        made = answer()
+        with _guard:
+            while len(_lately) >= LATELY and self.drawing not in _lately:
+                _lately.pop(next(iter(_lately)))
+            known = _lately.setdefault(self.drawing, {})
+            while len(known) >= MOST_FOUND:
+                known.pop(next(iter(known)))
+            known[question] = made
+        return made
 
     @cached_property
     def order(self) -> list[int]:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from lamc.basics.threads import hold_scipy_too
 from lamc.records.mechanism import Array
 
 if TYPE_CHECKING:
@@ -74,9 +75,9 @@ class Linear:
         if self.is_small:
             values = self.dense[1]
             return (float(values[0]) if len(values) else 0.0) or 1.0
-        vector = np.random.default_rng(20260104).normal(size=self.count)
+        vector, turned = np.random.default_rng(20260104).normal(size=self.count), self.matrix.T
         for _ in range(20):
-            vector = self.matrix.T @ (self.matrix @ (vector / np.linalg.norm(vector)))
+            vector = turned @ (self.matrix @ (vector / np.linalg.norm(vector)))
         return float(np.sqrt(np.linalg.norm(vector))) or 1.0
 
     @cached_property
@@ -119,6 +120,7 @@ class Linear:
         from scipy import sparse
         from scipy.sparse.linalg import splu
 
+        hold_scipy_too()
         e = damping * self.scale
         rows = self.matrix[self.used].tocsr()
         rows.data[np.abs(rows.data) < NOTHING] = 0.0

@@ -22,7 +22,7 @@ NOTHING = 1e-9  # of a form, beside those of one: round-off of the drawing's cor
 ROUNDS = 60  # of Newton's method, which needs ten
 ARRIVED = 1e-12  # of a form, of rates of length one
 RIDGE = 1e-14  # of the largest: forms that depend on one another are solved for all the same
-FAINT = 1e-6  # of the largest slope: less holds nothing, where forms are more than unknowns
+FAINT = 3e-7  # of the slopes: what is less is hardly followed, where forms are more than unknowns
 BACK = 30  # random directions that are tried where one leads nowhere
 
 
@@ -87,9 +87,12 @@ def _least_step(slopes: Array, missed: Array, x: Array) -> Array:
         squares[np.diag_indices_from(squares)] += RIDGE * np.trace(squares)
         return np.asarray(slopes.T @ np.linalg.solve(squares, missed))
     slopes = slopes - 2.0 * np.outer(missed, x)
-    values, vectors = np.linalg.eigh(slopes.T @ slopes)
-    kept = values > FAINT**2 * values[-1]
-    return np.asarray(vectors[:, kept] @ ((vectors[:, kept].T @ (slopes.T @ missed)) / values[kept]))
+    squares = slopes.T @ slopes
+    largest = np.trace(squares)
+    if not largest > 0.0:  # no way leads down
+        return np.zeros_like(x)
+    squares[np.diag_indices_from(squares)] += FAINT**2 * largest
+    return np.asarray(np.linalg.solve(squares, slopes.T @ missed))
 
 
 def local_forms(geometry: LoopGeometry, angles: Array) -> LocalForms | None:

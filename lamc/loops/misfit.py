@@ -23,12 +23,14 @@ class Misfit:
     gap    m, the largest found over the motion that this rank allows; as `LoopGeometry.gaps`
     cut    the cut hinge that it was found at
     place  (3,), m, world, as drawn: the middle of the loop that is farthest from closing, such as a vertex
+    farther  m, the gap half a radian farther along this motion, where it was looked at and is more than is allowed
     """
 
     rank: int
     gap: float  # m
     cut: str
     place: tuple[float, float, float] = (0.0, 0.0, 0.0)  # m
+    farther: float = 0.0  # m
 
     @property
     def text(self) -> str:

@@ -18,14 +18,14 @@ import numpy as np
 
 from lamc.basics.errors import DesignError
 from lamc.basics.threads import on_one_thread
-from lamc.loops.closing import SMALL, SOLVE
+from lamc.loops.closing import CLOSED, SMALL, SOLVE
 from lamc.loops.geometry import LoopGeometry, geometry_of
-from lamc.loops.linear import EXACT
+from lamc.loops.linear import DENSE, EXACT
 from lamc.loops.misfit import Misfit, measure_misfit, rounded_up
-from lamc.loops.surveys import Survey, near_surveys, survey
+from lamc.loops.surveys import Nullity, Survey, near_surveys, survey
 from lamc.loops.tangents import EXACTLY, MOST_FREE, NEARLY, Fit
 from lamc.loops.texts import MAY_BEND
-from lamc.loops.walks import LoopPosition
+from lamc.loops.walks import LoopPosition, walk
 from lamc.mechanism.tree import Tree
 from lamc.records.mechanism import Array
 
@@ -36,6 +36,7 @@ MARGIN = 10.0  # times the largest singular value of a misfit is one of no misfi
 # 1/rad: singular values of the second order are some tenths of the distance from a singular position, those of a misfit
 # some hundredths of it where that has been left by more than the drawing is off
 RISING = 0.05
+FARTHER, FAR_STEPS = 2, 5  # ways of many loops that are followed farther, by steps of 0.1 rad
 
 
 @dataclass(frozen=True)
@@ -137,7 +138,7 @@ def count_at(
     misfit, nearly, cutoff = _nearly(geometry, angles, exact, way, allowed)
     accepted = misfit is not None and misfit.gap <= allowed
     taken = nearly if accepted else exact
-    ranks = tuple(_rank(way, size, cutoff if accepted else EXACT) for way in taken.ways)
+    ranks = taken.ranks or tuple(_rank(way, size, cutoff if accepted else EXACT) for way in taken.ways)
     rank = max(ranks) if taken.places else size - _free_at_once(geometry, angles, exact)
     best = max(taken.places, key=lambda place: place.clearness(size - rank), default=None)
     position = angles if best is None else best.angles
@@ -195,9 +196,54 @@ def _nearly(
         cutoff = min(SMALL, math.sqrt(weakest * clear.clearness(size - rank)), MARGIN * weakest)
         best = misfit, found, max(cutoff, SOLVE)
         if misfit.gap <= allowed:
-            return best
+            farther = _farther(geometry, start, best, nullity, allowed) if size > DENSE else best
+            is_exact = farther[0].gap <= CLOSED * geometry.size and exact.moves
+            return none if is_exact else farther
     # What is nearly so, and is not accepted, is no matter where loops move exactly as well.
     return none if exact.moves and not exact.is_suspect else best
+
+
+def _farther(
+    geometry: LoopGeometry, start: Array, near: tuple[Misfit, Survey, float], nullity: Nullity, allowed: float
+) -> tuple[Misfit, Survey, float]:
+    """The misfit, walks and cutoff of many loops as they are farther out than the few steps of a survey; those that are
+    given where no motion goes on there.
+
+    Near a singular position all that is of the second order is weak, and of hundreds of hinges some of it is as weak as
+    a misfit is. What is none is closed by the motion farther out, or stays as it is; what is of the second order comes
+    to hold, and loops that are to leave it out are torn. The most equations are left out with which none are.
+    """
+    misfit, found, _ = near
+    size, ways, ranks = len(geometry.names), list(found.ways), dict[int, int]()
+    taken: list[tuple[list[LoopPosition], int]] = []
+    torn: list[LoopPosition] = []
+    clearest = {k: max(way, key=lambda at: at.clearness(nullity(at))) for k, way in enumerate(ways) if way}
+    for number in sorted(clearest, key=lambda k: -clearest[k].clearness(nullity(clearest[k])))[:FARTHER]:
+        clear = clearest[number]
+        weak = nullity(clear)
+        while weak > 0:
+            places = walk(geometry, clear.angles, clear.angles - start, 0.0, FAR_STEPS, weak)
+            if places and measure_misfit(geometry, places, size - weak).gap <= allowed:
+                taken.append((places, weak))
+                ways[number], ranks[number] = [*ways[number], *places], size - weak
+                break
+            torn += places
+            weak = max((k for k in (places or [clear])[-1].gaps(SMALL) if k < weak), default=0)
+    if not taken:
+        gap = measure_misfit(geometry, torn, misfit.rank).gap if torn else 0.0
+        return replace(misfit, farther=gap), *near[1:]
+    places = [place for way, _ in taken for place in way]
+    weakest = max(float(place.weak[:weak].max()) for way, weak in taken for place in way)
+    clearness = min(max(place.clearness(weak) for place in way) for way, weak in taken)
+    cutoff = max(min(SMALL, math.sqrt(weakest * clearness), MARGIN * weakest), SOLVE)
+    for (
+        k,
+        clear,
+    ) in clearest.items():  # of those that were not followed, what is weak near by and by this cutoff
+        ranks.setdefault(k, size - min(nullity(clear), int((clear.weak <= cutoff).sum())))
+    by_way = tuple(ranks.get(k, 0) for k in range(len(ways)))
+    farther = measure_misfit(geometry, places, size - min(weak for _, weak in taken))
+    return farther, replace(found, ways=ways, ranks=by_way), cutoff
 
 
 def _rises(found: Survey, start: Array, nullity: int) -> bool:

@@ -29,12 +29,14 @@ Nullity = Callable[
 @dataclass(frozen=True, eq=False)
 class Survey:
     """Walks from a position: those of each way together, one way for each branch; rates that are free there to first
-    order; and whether there may be more branches if the drawing is rounded."""
+    order; whether there may be more branches if the drawing is rounded; and the rank on each way, where its places do
+    not tell it by themselves."""
 
     ways: list[list[LoopPosition]]
     is_singular: bool
     free: int
     may_be_rounded: bool = False
+    ranks: tuple[int, ...] = ()
 
     @property
     def places(self) -> list[LoopPosition]:

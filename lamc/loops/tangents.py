@@ -109,6 +109,11 @@ class Tangents:
 
 def tangents(geometry: LoopGeometry, angles: Array, fit: Fit = EXACTLY) -> Tangents:
     """The null space and its quadratic forms at a closed position `angles` (n,)."""
+    question = ("tangents", angles.tobytes(), fit)
+    return geometry.lately(question, lambda: _tangents(geometry, angles, fit))
+
+
+def _tangents(geometry: LoopGeometry, angles: Array, fit: Fit) -> Tangents:
     linear = geometry.linear(angles)
     basis = linear.free(fit.weak).T
     size = basis.shape[1]

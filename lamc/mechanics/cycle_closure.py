@@ -93,6 +93,10 @@ class Shapes:
         x, y, z = self.all(kind, line)
         return (x, y, z)
 
+    def step(self) -> None:
+        """What follows is done for another line."""
+        self._store.step += 1
+
     def all(self, kind: str, line: Line) -> tuple[Scalar, ...]:
         return keyed(self._store, (kind, *line.key), line.numbers[kind])
 
@@ -161,8 +165,8 @@ def close_cycle(shapes: Shapes, ring: Sequence[Line], q: Sequence[Value], u: Seq
     entries = {line.joint: screw for line, screw in zip(forth, ahead, strict=True)}
     entries |= {line.joint: (_minus(a), _minus(v)) for line, (a, v) in zip(back, behind, strict=True)}
     rates = [u[line.joint] for line in forth], [u[line.joint] for line in back]
-    bias = _difference(_bias(ahead, rates[0]), _bias(behind, rates[1]))
-    gap = _gap(_place(shapes, forth, q), _place(shapes, back, q))
+    bias = _difference(_bias(shapes, ahead, rates[0]), _bias(shapes, behind, rates[1]))
+    gap = _gap(shapes, _place(shapes, forth, q), _place(shapes, back, q))
     rows = [
         (gap[half][k], row, bias[half][k])
         for half in (0, 1)
@@ -177,6 +181,7 @@ def _screws(shapes: Shapes, lines: Sequence[Line], q: Sequence[Value]) -> list[S
     rotation, shift = UNIT, ZERO
     screws: list[Screw] = []
     for position, line in enumerate(lines):
+        shapes.step()
         axis = _apply(rotation, shapes("axis", line))
         moment = _apply(rotation, shapes("moment", line))
         screws.append((axis, add(moment, cross(shift, axis))))
@@ -187,11 +192,12 @@ def _screws(shapes: Shapes, lines: Sequence[Line], q: Sequence[Value]) -> list[S
     return screws
 
 
-def _bias(screws: Sequence[Screw], rates: Sequence[Value]) -> Screw:
+def _bias(shapes: Shapes, screws: Sequence[Screw], rates: Sequence[Value]) -> Screw:
     """Acceleration of the end of a chain where its joints' rates are constant: Σ of the brackets of its screws."""
     spin, velocity = ZERO, ZERO
     turning, moving = ZERO, ZERO
     for (axis, moment), rate in zip(screws, rates, strict=True):
+        shapes.step()
         w, v = scale(rate, axis), scale(rate, moment)
         turning = add(turning, cross(spin, w))
         moving = add(moving, add(cross(spin, v), cross(velocity, w)))
@@ -205,6 +211,7 @@ def _place(shapes: Shapes, lines: Sequence[Line], q: Sequence[Value]) -> tuple[Q
     rotated: Quaternion = (1, 0, 0, 0)
     shift = ZERO
     for line in lines:
+        shapes.step()
         half = 0.5 * q[line.joint]
         sine, cosine = sin(half), cos(half)
         step = _displacement(shapes, line, 2 * (sine * cosine), 2 * (sine * sine))
@@ -214,8 +221,9 @@ def _place(shapes: Shapes, lines: Sequence[Line], q: Sequence[Value]) -> tuple[Q
     return rotated, shift
 
 
-def _gap(ahead: tuple[Quaternion, Vector3], behind: tuple[Quaternion, Vector3]) -> Screw:
+def _gap(shapes: Shapes, ahead: tuple[Quaternion, Vector3], behind: tuple[Quaternion, Vector3]) -> Screw:
     """By how much the first place is away from the second, as a small screw; exact where they are one."""
+    shapes.step()
     (w, x, y, z), other = ahead[0], behind[0]
     scalar, *vector = _product((w, x, y, z), (other[0], -other[1], -other[2], -other[3]))
     turn = scale(2 * reciprocal(scalar), (vector[0], vector[1], vector[2]))

@@ -15,6 +15,7 @@ import shapely
 from lamc.basics.errors import DesignError
 from lamc.loops.at_start import loops_of
 from lamc.loops.geometry import geometry_of
+from lamc.loops.misfit import length
 from lamc.loops.rank import LoopCount
 from lamc.mechanism.plan import plan
 from lamc.readers.fold_faces import Edge, Face
@@ -53,6 +54,9 @@ def obstacle(sheet: Mechanism) -> str:
     is_flat = not any(sheet.scene.angles.values()) if sheet.scene else True
     if loops.branch_ranks and is_flat and _weakest(loops) < BARELY:
         return "rigid facets would crawl, as the drawing's rounding alone holds some of their loops"
+    if loops.misfit is not None and loops.misfit.farther > NEARLY * sheet.size >= loops.misfit.gap:
+        gap = length(loops.misfit.farther)
+        return f"rigid facets would come apart, as their loops are open by {gap} when half a radian is folded"
     if loops.misfit is None or loops.misfit.gap <= NEARLY * sheet.size:
         return ""
     return f"rigid facets would stop or come apart, as {loops.misfit.text}"

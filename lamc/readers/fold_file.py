@@ -15,7 +15,7 @@ import numpy as np
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, Place
-from lamc.readers.fold_frames import Data, chosen_frame, meant
+from lamc.readers.fold_frames import Data, chosen_frame, meant, pattern_frame
 from lamc.readers.fold_seams import with_seams
 from lamc.readers.inert import Limits
 from lamc.readers.json_text import parsed
@@ -88,13 +88,23 @@ def is_fold(text: str) -> bool:
     return text.lstrip("\ufeff \t\r\n")[:1] == "{" and _MARKS.search(text) is not None
 
 
-def read_frame(text: str, file: str, limits: Limits) -> FoldFrame:
-    """The key frame of a file, or its first one that has edges or faces. Raises DesignError with what is wrong."""
-    place = Place(file)
+def read_frame(data: Data, file: str, number: int | None = None) -> FoldFrame:
+    """A frame of a file, by its number; None: the key frame, or the first one that has edges or faces. Raises
+    DesignError with what is wrong."""
+    return _Reader(data, Place(file)).frame(number)
+
+
+def fold_data(text: str, file: str, limits: Limits) -> Data:
+    """A file as data. Raises DesignError where it is no map."""
     data = parsed(text, file, limits)
     if not isinstance(data, dict):
-        raise DesignError("the file holds no object; FOLD is a map of lists", place)
-    return _Reader(data, place).frame()
+        raise DesignError("the file holds no object; FOLD is a map of lists", Place(file))
+    return data
+
+
+def crease_pattern(data: Data, file: str) -> int | None:
+    """The number of a frame, not the key frame, that is a file's crease pattern; None where none says so."""
+    return pattern_frame(data, _Reader(data, Place(file)).error)
 
 
 class _Reader:
@@ -107,9 +117,9 @@ class _Reader:
     def error(self, message: str) -> DesignError:
         return DesignError(message, self.place)
 
-    def frame(self) -> FoldFrame:
+    def frame(self, number: int | None = None) -> FoldFrame:
         self._check_spec()
-        data = chosen_frame(self.data, self.error, self.notes)
+        data = chosen_frame(self.data, self.error, self.notes, number)
         vertices = self._vertices(data)
         faces = self._faces(data, len(vertices))
         edges = self._edges(data, len(vertices), faces)

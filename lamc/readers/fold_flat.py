@@ -21,6 +21,10 @@ Beside = Sequence[tuple[int | None, int | None]]
 Corners = list[dict[int, Array]]  # for each face, places (2,) by vertex
 
 
+class TornError(DesignError):
+    """A folded sheet that cannot be laid flat: none that was folded from one flat piece, or of too few digits."""
+
+
 def pair_of(beside: Beside, k: int) -> tuple[int, int]:
     """The faces to the left and right of a joined edge."""
     left, right = beside[k]
@@ -159,7 +163,7 @@ def _check_closed(
         for vertex in edges[k]:
             gap = float(np.linalg.norm(corners[left][vertex] - corners[right][vertex]))
             if gap > ROUNDING * size:
-                raise DesignError(
+                raise TornError(
                     f"the sheet cannot be laid flat: about vertex {vertex} it tears by {gap:.2g} m at edge "
                     f"{number(k)}, so it is none that was folded from one flat piece; cut it along an edge "
                     "(assignment C), as nets of boxes are"

@@ -29,22 +29,20 @@ Data = Mapping[str, Any]
 Errors = Callable[[str], DesignError]
 
 
-def chosen_frame(data: Data, error: Errors, notes: list[str]) -> dict[str, Any]:
-    """The frame that is read, with what it inherits: the key frame, or the first one that has edges or faces.
+def chosen_frame(data: Data, error: Errors, notes: list[str], number: int | None = None) -> dict[str, Any]:
+    """The frame that is read, with what it inherits: by its number, or the key frame, or the first one that has edges
+    or faces.
 
     notes takes what is not read: other frames that draw a sheet, and keys that are nearly those of FOLD. error makes
     what is raised from a message.
     """
-    frames = data.get("file_frames", [])
-    if not isinstance(frames, list) or not all(isinstance(frame, dict) for frame in frames):
-        raise error("file_frames must be a list of maps")
-    key = {name: value for name, value in data.items() if name != "file_frames"}
-    every = [key, *frames]
-    for index in range(len(every)):
+    every = _frames(data, error)
+    key = every[0]
+    for index in range(len(every)) if number is None else [number]:
         merged = _inherited(every, index, error)
         if not merged.keys() & _DRAWN:
             continue
-        if index:
+        if index and number is None:
             notes.append(f"the key frame has no edges: frame {index} is read")
         others = [str(k) for k, frame in enumerate(every) if k != index and frame.keys() & _DRAWN]
         if others:
@@ -58,6 +56,28 @@ def chosen_frame(data: Data, error: Errors, notes: list[str]) -> dict[str, Any]:
                 notes.append(f"the key {name!r} is none of FOLD's, and is not read; is {near!r} meant?")
         return {**{k: v for k, v in key.items() if k in ("file_title", "frame_unit")}, **merged}
     raise error("no frame has edges_vertices or faces_vertices; draw the sheet's edges")
+
+
+def pattern_frame(data: Data, error: Errors) -> int | None:
+    """The number of the first frame behind the key frame that says it is a crease pattern, and draws one; None where
+    there is none."""
+    every = _frames(data, error)
+    for index, frame in enumerate(every[1:], 1):
+        classes = frame.get("frame_classes")
+        if (
+            isinstance(classes, list)
+            and "creasePattern" in classes
+            and _inherited(every, index, error).keys() & _DRAWN
+        ):
+            return index
+    return None
+
+
+def _frames(data: Data, error: Errors) -> list[dict[str, Any]]:
+    frames = data.get("file_frames", [])
+    if not isinstance(frames, list) or not all(isinstance(frame, dict) for frame in frames):
+        raise error("file_frames must be a list of maps")
+    return [{name: value for name, value in data.items() if name != "file_frames"}, *frames]
 
 
 def meant(key: str) -> str | None:

@@ -1,14 +1,23 @@
 """JSON as plain values, within limits.
 
-In: text. Out: maps, lists, texts and numbers. Never: takes NaN for a number, or the last of two equal keys.
+In: text. Out: maps, lists, texts and numbers. Never: takes NaN for a number, or the last of two equal keys, but for
+those that only tell of a file.
 """
 
 import json
 from collections.abc import Callable
 from typing import Any, NoReturn
 
-from lamc.basics.errors import DesignError, Place
+from lamc.basics.checks import shown
+from lamc.basics.errors import DesignError, Place, warn
 from lamc.readers.inert import Limits
+
+# Keys of FOLD by which nothing is drawn. Some files have them twice, and other programs read the last of them.
+TELLING = frozenset(
+    f"{of}_{what}"
+    for of in ("file", "frame")
+    for what in ("spec", "creator", "author", "title", "description", "classes", "attributes")
+)
 
 
 def parsed(text: str, file: str, limits: Limits) -> Any:
@@ -39,11 +48,17 @@ def parsed(text: str, file: str, limits: Limits) -> Any:
 
 
 def _map(file: str) -> Callable[[list[tuple[str, Any]]], dict[str, Any]]:
+    told: set[str] = set()
+
     def made(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         found: dict[str, Any] = {}
         for key, value in pairs:
-            if key in found:
+            if key in found and key not in TELLING:
                 raise DesignError(f"{key[:40]!r} stands twice in one map; keep one of them", Place(file))
+            if key in found and found[key] != value and key not in told:
+                told.add(key)
+                said = f"{key!r} stands twice in one map, {shown(found[key])} and {shown(value)}: the last is read"
+                warn(said, Place(file))
             found[key] = value
         return found
 

@@ -26,6 +26,9 @@ def message(
         return f"the end was reached {at}"
     if status == Status.FOLDED:
         return f"ended {at} of {request.t_end:g} s: {trajectory.note}"
+    if status == Status.STEP_LIMIT and trajectory.note:
+        way_out = "raise max_work (of lamc run, --t-end), or loosen rtol"
+        return f"stopped {at} of {request.t_end:g} s: {trajectory.note}; {way_out}"
     text = {
         Status.STEP_UNDERFLOW: f"stopped {at}: no step is short enough there; the motion is singular, or a torque "
         "grows without bound",

@@ -12,7 +12,7 @@ import numpy as np
 from lamc.loops.misfit import length
 from lamc.loops.texts import MAY_BEND, ROUND_OFF
 from lamc.records.mechanism import Array
-from lamc.run.defaults import DURATION, MAX_STEPS, default_rows, default_steps
+from lamc.run.defaults import DURATION, MAX_STEPS, MOST_WORK, default_rows, default_steps
 from lamc.run.request import Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -29,6 +29,7 @@ _PATIENCE = 5  # times the counted steps: of small loops, which are not stuck af
 @dataclass(frozen=True)
 class Length:
     """t_end: s. steps: that are tried. is_own: they are lamc's choice, and a run that takes them all is a whole one.
+    work: of loops, at most; None: no limit, as somebody says how long.
     until_folded: nobody says how long, so that a sheet that only its creases and gravity move is at its end where its
     fold is over."""
 
@@ -36,6 +37,7 @@ class Length:
     steps: int
     is_own: bool = False
     until_folded: bool = False
+    work: float | None = None
 
     def rows(self, size: int) -> int:
         """Rows of a table of states of a size where nobody says; 0: one after each step, as rows that are spread over
@@ -47,7 +49,11 @@ class Length:
         """A run of this length with so many rows, evenly spread over what there is of it; 0: one after each step. A
         fold that is over before its end is run once more, step by step the same, for rows that show it. arguments: as
         for `Simulator.run`."""
-        limits: dict[str, Any] = {"max_steps": self.steps, "until_folded": self.until_folded}
+        limits: dict[str, Any] = {
+            "max_steps": self.steps,
+            "until_folded": self.until_folded,
+            "max_work": self.work,
+        }
         result = simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **limits, **arguments)
         if result.status != Status.FOLDED or not rows:
             return result
@@ -64,7 +70,7 @@ class Length:
         if not self.is_own or result.status != Status.STEP_LIMIT:
             return ""
         return (
-            f"nobody says how long it is to run, and {self.steps} steps of {len(simulator.joints)} hinges with "
+            f"nobody says how long it is to run, and {_tried(result)} steps of {len(simulator.joints)} hinges with "
             f"{simulator.freedoms} freedoms are as much work as a run does by itself: it ends before "
             f"{self.t_end:g} s; --t-end {self.t_end:g}, or a duration in its scene, runs to there however long that "
             f"takes, and a looser --rtol takes longer steps{_of_misfit(simulator)}"
@@ -99,5 +105,11 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
     )
     folds = {effect.name for effect in simulator.effects} <= _AT_REST
     if steps >= _MANY:
-        return Length(end, min(MAX_STEPS, _PATIENCE * steps), until_folded=folds)
-    return Length(end, steps, is_own=True, until_folded=folds)
+        most = min(MAX_STEPS, _PATIENCE * steps)
+        return Length(end, most, until_folded=folds, work=_PATIENCE * MOST_WORK)
+    return Length(end, steps, is_own=True, until_folded=folds, work=MOST_WORK)
+
+
+def _tried(result: Result) -> int:
+    """Steps that a run in C tried."""
+    return result.stats.accepted + (result.stats.rejected or 0)

@@ -22,6 +22,7 @@ from lamc.run.taping import TapedRun
 
 SLICE = 0.02  # s of wall time; Ctrl-C is answered after one at the latest
 FIRST_BUDGET = 500  # evaluations; even a thousand hinges stay below SLICE with it
+WORK_DONE = "its loops have taken the work that was allowed"  # why a run ended
 ASKING = 1  # evaluations: a run that may end before is asked after each step, on any machine alike
 EVENTS = 4096  # room for events in a chunk
 NAMES = {number: name for name, number in NUMBERS.items()}
@@ -149,7 +150,7 @@ def _integrated(model: Model, motion: Any, request: Request, method: str) -> tup
     first_method, modes = run.method, model.modes(motion)
     note = ""
     if status == lib.LAMC_OK:
-        status, note = _advance(model, engine, request)
+        status, note = _advance(model, motion, engine, request)
     if isinstance(engine, TapedRun):
         engine.close()
     last = _last_row(model, run, ode, request, columns) if status != lib.LAMC_OK else None
@@ -259,16 +260,20 @@ def _state(model: Model, run: Any, size: int) -> Array:
     return np.frombuffer(model.ffi.buffer(state, 8 * size)).copy() if size else np.zeros(0)
 
 
-def _advance(model: Model, engine: "_Run | _Differentiated | TapedRun", request: Request) -> tuple[int, str]:
+def _advance(
+    model: Model, motion: Any, engine: "_Run | _Differentiated | TapedRun", request: Request
+) -> tuple[int, str]:
     """Slices until the run is over; its last status, and why it ended before, where it was asked."""
     lib, run = model.lib, engine.run
-    budget = FIRST_BUDGET if request.until is None else ASKING
+    is_limited = math.isfinite(request.most_work) and model.cuts
+    asks = request.until is not None or is_limited
+    budget = ASKING if asks else FIRST_BUDGET
     told = time.perf_counter()
     try:
         while True:
             before, started = run.evaluations, time.perf_counter()
             status = engine.advance(budget)
-            if status < 0 or (status == 0 and request.until is None):
+            if status < 0 or (status == 0 and not asks):
                 return status, ""
             if status == lib.LAMC_OUTPUT_FULL:
                 engine.rows.grow()
@@ -276,11 +281,13 @@ def _advance(model: Model, engine: "_Run | _Differentiated | TapedRun", request:
                 return int(Status.FOLDED), why
             if status == 0:
                 return status, ""
+            if is_limited and float(lib.lamc_motion_work_done(motion)) > request.most_work:
+                return int(Status.STEP_LIMIT), WORK_DONE
             now = time.perf_counter()
-            if request.progress is not None and (request.until is None or now - told >= SLICE):
+            if request.progress is not None and (not asks or now - told >= SLICE):
                 request.progress(float(run.t), request.t_end)
                 told = now
-            if request.until is None:
+            if not asks:
                 pace = (run.evaluations - before) / max(now - started, 1e-6)  # evaluations per second
                 budget = int(min(max(pace * SLICE, 10), 10 * budget))
     except KeyboardInterrupt:

@@ -81,6 +81,7 @@ class Request:
     until: Callable[[Array], str] | None = (
         None  # asked of a state now and then: why to end there; empty: go on
     )
+    most_work: float = math.inf  # of loops, as `lamc_motion_work_done` counts
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +121,7 @@ def checked_request(
     max_step: float | str | None,
     progress: Progress | None,
     energy_balance: bool = False,
+    max_work: float | None = None,
 ) -> Request:
     """The request, or RequestError with the argument, its value and the rule."""
     end = finite(_seconds(t_end), "t_end", "a time in seconds, zero or later")
@@ -143,7 +145,11 @@ def checked_request(
     if not isinstance(energy_balance, bool):
         raise RequestError(f"energy_balance is {shown(energy_balance)}; it must be True or False")
     steps = min(int(max_steps), 2**62)  # what the C counter holds
-    return Request(y0, end, relative, absolute, _times(t_eval, end), steps, longest, progress, energy_balance)
+    work = math.inf if max_work is None else finite(max_work, "max_work", "operations, above zero")
+    if work <= 0.0:
+        raise RequestError(f"max_work is {max_work!r}; it must be above zero (leave it out for no limit)")
+    asked = (_times(t_eval, end), steps, longest, progress, energy_balance)
+    return Request(y0, end, relative, absolute, *asked, most_work=work)
 
 
 def _seconds(time: object) -> object:

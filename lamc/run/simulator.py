@@ -5,6 +5,7 @@ It never changes; runs share nothing but the compiled code.
 """
 
 import logging
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -183,6 +184,7 @@ class Simulator(Running, OperatingPoints, Viewable):
         series: "Mapping[str, Series] | None" = None,
         taped: bool = False,
         until_folded: bool = False,
+        max_work: float | None = None,
         books: bool | None = None,
     ) -> Result:
         """Runs from the scene's angles and rates at t = 0 to t_end.
@@ -224,6 +226,10 @@ class Simulator(Running, OperatingPoints, Viewable):
                     keeps facets from passing through one another there. Asked after each step, so that long steps end
                     beyond. Of no effect on devices without loops, with bodies that have no plate, or with parallel axes
                     only; nor on runs to an accuracy, differentiated or taped
+        max_work    of loops, before the run gives up: operations, of which a core does some 1e9 in a second. They are
+                    counted, so that it gives up at the same step on every machine; None: no limit. Near singular
+                    positions a step may be ten times the work of others. scipy's integrators do not heed it,
+                    nor do runs to an accuracy
         books       the old name of energy_balance
 
         A run that does not reach its end is no exception: the Result says so (`success`, `status`,
@@ -238,7 +244,9 @@ class Simulator(Running, OperatingPoints, Viewable):
         parameters = with_series(parameters, series, self._model.series, self.parameters)
         with part_told("run", progress) as told:
             asked = (t_end, rtol, atol, t_eval, max_steps, max_step, told)
-            request = self._request(*asked, energy_balance=energy_balance)
+            request = self._request(*asked, energy_balance=energy_balance, max_work=max_work)
+            if wanted is not None:
+                request = replace(request, most_work=math.inf)  # of all its runs together, there is none
             if until_folded and self.cut_joints and not (taped or sensitivities or wanted is not None):
                 request = replace(request, until=fold_over(self.mechanism, self._rings, self.joints))
             rate = checked_rate(baumgarte, has_loops=bool(self.cut_joints))
@@ -288,13 +296,14 @@ class Simulator(Running, OperatingPoints, Viewable):
         progress: Progress | None,
         *,
         energy_balance: bool = False,
+        max_work: float | None = None,
     ) -> Request:
         """What `run` and `ensemble` are asked for, checked."""
         if t_end is None:
             t_end = self.scene.duration or DURATION
         tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
         return checked_request(
-            self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress, energy_balance
+            self.start, t_end, *tolerances, t_eval, max_steps, max_step, progress, energy_balance, max_work
         )
 
     def _check_run(self, parameters: Mapping[str, float | str], motion: Motion, t_end: float) -> None:

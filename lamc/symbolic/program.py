@@ -67,6 +67,9 @@ class Statement:
     operands: tuple[Operand, ...]
     section: int  # index into Function.sections
     link: int = -1  # link of the tree that it is about; -1: none. Statements of like links become one kernel
+    step: int = (
+        0  # of what is done for the link; statements of like steps become one kernel where links are unlike
+    )
 
 
 @dataclass(frozen=True, slots=True)

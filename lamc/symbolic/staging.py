@@ -65,6 +65,8 @@ class Store:
         self.section_of: list[int] = []
         self.link_of: list[int] = []
         self.link = NO_LINK  # nodes made from now on belong to this link of the tree; see `section`
+        self.step_of: list[int] = []
+        self.step = 0  # counts what is done one after the other for a link; see `section`
         self.payloads: dict[int, Number | Symbol] = {}
         self.drawn: dict[
             DrawnKey, int
@@ -85,7 +87,16 @@ class Store:
     def __deepcopy__(self, memo: dict[int, object]) -> "Store":
         """A store that goes on from here: the nodes so far are the same, and keep their numbers."""
         copied = memo[id(self)] = Store()
-        for name in ("operations", "arguments", "levels", "section_of", "link_of", "sections", "tables"):
+        for name in (
+            "operations",
+            "arguments",
+            "levels",
+            "section_of",
+            "link_of",
+            "step_of",
+            "sections",
+            "tables",
+        ):
             setattr(copied, name, list(getattr(self, name)))
         copied.payloads, copied._known = dict(self.payloads), dict(self._known)
         copied.drawn, copied.factors = dict(self.drawn), set(self.factors)
@@ -100,7 +111,9 @@ class Store:
     def section(self, title: str, *, effect: str = "", source: str = "") -> Iterator[None]:
         """Nodes made inside carry this origin; a node that already exists keeps its first one.
 
-        Where the same is done for link after link, set `link` in the loop: code that repeats becomes one kernel.
+        Where the same is done for link after link, set `link` in the loop: code that repeats becomes one kernel. Where
+        what is done for a link is itself the same again and again, count `step` on: if links are too unlike to become
+        a kernel, their steps do.
         """
         entry = Section(title, effect, source)
         outer = self._section, self.link
@@ -262,6 +275,7 @@ class Store:
             self.levels.append(level)
             self.section_of.append(self._section)
             self.link_of.append(self.link)
+            self.step_of.append(self.step)
             if payload is not None:
                 self.payloads[index] = payload
         return index

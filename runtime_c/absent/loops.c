@@ -46,6 +46,11 @@ long long lamc_loops_doubts(const void *motion) {
   return 0;
 }
 
+lamc_real *lamc_loops_counter(const void *motion) {
+  (void)motion;
+  return NULL;
+}
+
 lamc_status lamc_loops_judge(const void *motion) {
   (void)motion;
   return LAMC_OK;

@@ -197,6 +197,10 @@ lamc_status lamc_motion_settle(const lamc_motion *motion, lamc_real t, lamc_real
 /* Steps of the run under way, or of the last one, that ended at a singular position, with equations of the loops let go */
 long long lamc_motion_singular_steps(const lamc_motion *motion);
 
+/* Work that the loops of the run under way have taken, about: additions with multiplications, each a nanosecond or less;
+ * 0 for a tree. Counted, not timed, and much larger near singular positions: for a limit that is the same everywhere. */
+lamc_real lamc_motion_work_done(const lamc_motion *motion);
+
 /* Row by row: -> phi (count, m) rad or parts of the size, and J (count, m, nu), one after the other in each row */
 lamc_status lamc_motion_closures(const lamc_motion *motion, long long count, const lamc_real *y,
                                  lamc_real *closures);
@@ -269,6 +273,8 @@ typedef struct lamc_ode {
   long long break_count;
   /* From here on rhs stands for times up to the break of that number, at it what holds before; break_count: for all */
   void (*pass)(const void *context, long long next);
+  /* Where what rhs and settle take is counted, to which rows and integrals are to add nothing; NULL: it is not */
+  lamc_real *(*work)(const void *context);
 } lamc_ode;
 
 /* The motion as an equation in y = [q, u], n = nq + nu; `motion` must outlive it. With guards a run changes the

@@ -13,6 +13,8 @@
  * these rules integrate the products exactly, and the integral of P_i over -1 .. x is (P_(i+1) - P_(i-1)) / (2 i + 1). */
 #include "integrals.h"
 
+#include "watch.h"
+
 enum { MOST_NODES = 7 };
 
 static const lamc_real NODE_4[] = {0.06943184420297371, 0.33000947820757187, 0.6699905217924281,
@@ -69,6 +71,7 @@ void lamc_integrals_step(lamc_run *run) {
   const rule *q = lamc_method_of(run->method)->quadrature;
   const int dense = run->dense;
   const long long before = run->evaluations;
+  const lamc_real work = lamc_watch_work(run);
   lamc_real p[MOST_NODES + 1];
   memset(r.coefficients, 0, (size_t)(MOST_NODES * r.k) * sizeof *r.coefficients);
   for (int j = 0; j < q->count; j++) {
@@ -85,6 +88,7 @@ void lamc_integrals_step(lamc_run *run) {
   memcpy(r.there, r.here, (size_t)r.k * sizeof *r.there);
   for (int m = 0; m < r.k; m++) r.here[m] += run->h_last * r.coefficients[m];
   run->watch.mark_cost += (lamc_real)(run->evaluations - before); /* they must not sway LAMC_AUTO */
+  lamc_watch_forget(run, work);
   if (run->ode.doubts != NULL) run->dense = dense;                /* rows ask whether making it met doubts */
 }
 

@@ -93,6 +93,14 @@ static inline int lamc_loop_same(ptrdiff_t n, const lamc_real *a, const lamc_rea
   return 1;
 }
 
+/* Work of both, but for sparse elimination, which counts its own */
+static inline void lamc_loop_count_take(const lamc_loop_parts *p, int count) {
+  const lamc_real n = (lamc_real)p->n, free = n - (lamc_real)count;
+  const lamc_real dense = p->is_sparse ? 0 : LAMC_R(0.5) * (lamc_real)p->m * n * (lamc_real)count;
+  const lamc_real reduced = free * ((lamc_real)WORK_OF_MOMENTA * n + LAMC_R(0.2) * n * free + free * free / 10);
+  lamc_loop_count_work(p, dense + reduced);
+}
+
 /* 1 if these J and place, to the last digit, were eliminated last. Else they are kept, as those that will be. */
 static inline int lamc_loop_is_taken(const lamc_loop_parts *p) {
   const int rows = p->pattern->row_start[p->m];
@@ -111,6 +119,7 @@ static inline int lamc_loop_take(lamc_loop_parts *p) {
   if (!p->has_mass && lamc_loop_is_taken(p)) return p->count;
   p->count = lamc_loop_order(p);
   lamc_loop_reduce(p, p->count);
+  lamc_loop_count_take(p, p->count);
   return p->count;
 }
 

@@ -70,7 +70,8 @@ typedef struct lamc_loop_parts {
   lamc_real *qdot;       /* (nq,) */
   lamc_real *y;          /* (nq + n,): a settled copy of a state */
   /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations with
-   * too few, steps with too few, 1 where a row of J fades, 1 where the elimination was planned */
+   * too few, steps with too few, 1 where a row of J fades, 1 where the elimination was planned; work that was done, in
+   * units of an addition and a multiplication, some nanosecond of a core */
   lamc_real *state;
   lamc_real *norms; /* (m,): what rows of J were divided by; 0: a row of none */
   lamc_real *reach; /* (m,): the largest angle that the row knows, rad */
@@ -78,6 +79,14 @@ typedef struct lamc_loop_parts {
   lamc_real *step;  /* (n,): of a state that is brought to closure */
   lamc_real *raw;   /* what the model writes: the largest of its functions */
 } lamc_loop_parts;
+
+/* Work of what the model's functions do for each hinge, as was measured of sheets of 165 to 1500 hinges: closure,
+ * constraints or residual, and momenta */
+enum { WORK_OF_CLOSURE = 100, WORK_OF_MOMENTA = 45 };
+
+static inline void lamc_loop_count_work(const lamc_loop_parts *p, lamc_real work) {
+  p->state[6] += work;
+}
 
 /* Row i of J times v */
 static inline lamc_real lamc_loop_row(const lamc_loop_parts *p, int i, const lamc_real *v) {

@@ -11,6 +11,8 @@
 
 #include "loop_parts.h"
 
+enum { WORK_OF_STEP = 20 }; /* that a row is freed of, but for its entries */
+
 static const lamc_real OF_LARGEST = LAMC_R(0.1); /* what a row has left of one at least, or it waits */
 
 /* What is left of `row` by a step, and the largest of it */
@@ -41,6 +43,7 @@ static inline lamc_real lamc_sparse_update(const lamc_loop_parts *p, int k) {
   const lamc_real factor = p->row[rate] * s->inverse[k];
   p->row[rate] = 0;
   for (int e = first + 1; e < beyond; e++) p->row[lamc_at(s->left, e)] -= factor * s->value[e];
+  lamc_loop_count_work(p, (lamc_real)(WORK_OF_STEP + 2 * (beyond - first)));
   return factor;
 }
 

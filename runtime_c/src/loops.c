@@ -42,6 +42,7 @@ static int prepare(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, c
     memcpy(p->place, q, (size_t)p->nq * sizeof *q);
   }
   lamc_loop_normalise(p, q);
+  lamc_loop_count_work(p, (lamc_real)WORK_OF_CLOSURE * (lamc_real)p->n);
   return lamc_loop_take(p);
 }
 
@@ -96,6 +97,7 @@ static void pull_back(const lamc_motion *motion, const lamc_loop_parts *p, const
 static void solve(const lamc_loop_parts *p, int count, lamc_real t, const lamc_real *u, lamc_real *udot,
                   lamc_real *lambda) {
   lamc_loop_accelerate(p, count, t, u, udot);
+  lamc_loop_count_work(p, (lamc_real)WORK_OF_CLOSURE * (lamc_real)p->n);
   if (lambda != NULL) lamc_loop_lambda(p, count, t, u, udot, lambda);
 }
 
@@ -114,6 +116,7 @@ static lamc_real evaluate_closure(const lamc_motion *motion, const lamc_loop_par
   memcpy(p->j, p->raw + p->m, (size_t)p->pattern->row_start[p->m] * sizeof *p->j);
   memcpy(p->place, q, (size_t)p->nq * sizeof *q);
   const lamc_real gap = largest(p->m, p->extra);
+  lamc_loop_count_work(p, (lamc_real)WORK_OF_CLOSURE * (lamc_real)p->n);
   lamc_loop_normalise(p, q);
   return gap;
 }
@@ -182,6 +185,19 @@ static int solve_apart(const lamc_motion *motion, lamc_loop_parts *p, lamc_real 
   return 1;
 }
 
+/* 1 if equations fade as much a little along the hinges' rates as they do here: the state is not on its way through a
+ * singular position, and nothing is gained from there. Looked at without closing the place, which is as far from closure
+ * as the square of the way, so that what is near the limit is left to `solve_apart`. */
+static int stays_faint(const lamc_motion *motion, lamc_loop_parts *p, const lamc_real *q, const lamc_real *u,
+                       lamc_real apart) {
+  const lamc_real way = apart / largest(p->beyond, u);
+  memcpy(p->y, q, (size_t)p->nq * sizeof *q);
+  for (int i = 0; i < p->beyond; i++) p->y[i] += way * u[i];
+  evaluate_closure(motion, p, p->y);
+  p->count = -1;
+  return lamc_loop_is_faint(p, lamc_loop_order(p), LAMC_R(0.4) * FADING);
+}
+
 /* Where equations fade without their digits, such as in a linkage that passes its line, accelerations from three closed
  * places on each side along the hinges' rates, by the polynomial through them: they are smooth along a branch, and there
  * is no other way to know them from so near. Where one of the places is as near to the singular position as this one was,
@@ -191,6 +207,7 @@ static int solve_around(const lamc_motion *motion, lamc_loop_parts *p, lamc_real
   if (!(largest(p->beyond, u) > LAMC_LEAST) || something_yields(p)) return 0;
   for (int k = 2; k <= 4; k++) {
     const lamc_real apart = LAMC_R(0.5) * (lamc_real)k * AROUND;
+    if (p->is_sparse && stays_faint(motion, p, q, u, apart)) continue;
     if (solve_apart(motion, p, t, q, u, apart, udot, lambda)) return 1;
   }
   return 0;
@@ -280,7 +297,7 @@ void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept) {
 void lamc_loops_begin(const lamc_motion *motion) {
   lamc_loop_parts p;
   lamc_loop_parts_of(motion, &p);
-  p.state[1] = p.state[2] = p.state[3] = 0;
+  p.state[1] = p.state[2] = p.state[3] = p.state[6] = 0;
 }
 
 long long lamc_loops_doubts(const void *context) {
@@ -294,6 +311,16 @@ long long lamc_motion_singular_steps(const lamc_motion *motion) {
   lamc_loop_parts p;
   lamc_loop_parts_of(motion, &p);
   return (long long)p.state[3];
+}
+
+lamc_real *lamc_loops_counter(const void *context) {
+  lamc_loop_parts p;
+  lamc_loop_parts_of((const lamc_motion *)context, &p);
+  return p.state + 6;
+}
+
+lamc_real lamc_motion_work_done(const lamc_motion *motion) {
+  return motion->model->cut_count == 0 ? 0 : *lamc_loops_counter(motion);
 }
 
 lamc_status lamc_loops_judge(const void *context) {

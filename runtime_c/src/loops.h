@@ -15,7 +15,7 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
 void lamc_loops_response(const lamc_motion *motion, int count, const lamc_real *goal, lamc_real *x);
 
 /* What loops.c counts along a run, for what is evaluated beside the run to leave no trace in it */
-enum { LAMC_LOOPS_KEPT = 6 };
+enum { LAMC_LOOPS_KEPT = 7 };
 void lamc_loops_keep(const lamc_motion *motion, lamc_real *kept);
 void lamc_loops_put_back(const lamc_motion *motion, const lamc_real *kept);
 
@@ -29,6 +29,9 @@ void lamc_loops_begin(const lamc_motion *motion);
 lamc_status lamc_loops_judge(const void *motion);
 
 /* How many accelerations were worked out without all equations: lamc_ode.doubts of a motion with loops */
+/* Where the work of a motion's loops is counted; see `lamc_motion_work_done` */
+lamc_real *lamc_loops_counter(const void *context);
+
 long long lamc_loops_doubts(const void *motion);
 
 /* M = L L^T and the equations of the loops at a state; how many count. For the two functions below */

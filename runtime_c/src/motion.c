@@ -69,6 +69,7 @@ lamc_ode lamc_motion_ode(const lamc_motion *motion) {
     ode.judge = lamc_loops_judge;
     ode.doubts = lamc_loops_doubts;
   }
+  if (model->cut_count > 0) ode.work = lamc_loops_counter;
   if (model->rates == NULL) {
     ode.jacobian = lamc_linearise;
   } else {

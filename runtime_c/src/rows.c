@@ -83,8 +83,10 @@ static lamc_status state_at(lamc_run *run, lamc_real t, lamc_real *y) {
     return LAMC_OK;
   }
   const long long before = run->evaluations;
+  const lamc_real work = lamc_watch_work(run);
   const lamc_status settled = row_between(run, t, y);
   run->watch.mark_cost += (lamc_real)(run->evaluations - before); /* rows must not sway LAMC_AUTO */
+  lamc_watch_forget(run, work);
   return settled;
 }
 

@@ -191,9 +191,11 @@ static void find_break(lamc_run *run) {
 static lamc_status pass_break(lamc_run *run) {
   if (run->dense == LAMC_DENSE_POSSIBLE) {
     const long long before = run->evaluations;
+    const lamc_real work = lamc_watch_work(run);
     METHODS[run->method]->make_dense(run);
     run->dense = LAMC_DENSE_READY;
     run->watch.mark_cost += (lamc_real)(run->evaluations - before); /* it must not sway LAMC_AUTO */
+    lamc_watch_forget(run, work);
   }
   find_break(run);
   run->has_jacobian = run->has_polynomial = 0;

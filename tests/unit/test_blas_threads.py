@@ -1,8 +1,13 @@
 """BLAS has one thread while loops are counted, and as many as before afterwards."""
 
 import contextlib
+import json
+import os
+import subprocess
+import sys
 
 import numpy as np
+import pytest
 from threadpoolctl import ThreadpoolController
 
 from lamc.basics.threads import on_one_thread
@@ -39,3 +44,38 @@ def test_one_within_another_gives_no_threads_back_before_the_outer_ends() -> Non
         for counts in on_one_thread(lambda: (inner(), blas_threads()))():
             assert set(counts) == {1}
         assert blas_threads() == before
+
+
+_LATE = """
+import json
+import sys
+from threadpoolctl import ThreadpoolController
+import numpy as np
+from lamc.basics.threads import hold_scipy_too, on_one_thread
+
+def count():
+    return [each["num_threads"] for each in ThreadpoolController().select(user_api="blas").info()]
+
+@on_one_thread
+def loads_scipy():
+    import scipy.linalg
+    hold_scipy_too()
+    return count()
+
+assert "scipy.linalg" not in sys.modules
+np.linalg.svd(np.eye(3))
+print(json.dumps([loads_scipy(), count()]))
+"""
+
+
+@pytest.mark.skipif((os.cpu_count() or 1) < 2, reason="one processor has one thread")
+def test_scipy_that_is_loaded_within_has_one_thread_until_the_end() -> None:
+    """Sheets of hundreds of hinges load it while their loops are counted, and took ten times as long beside other
+    work."""
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "2"}
+    done = subprocess.run(
+        [sys.executable, "-c", _LATE], capture_output=True, text=True, check=True, env=environment
+    )
+    within, after = json.loads(done.stdout)
+    assert set(within) == {1}
+    assert set(after) == {2}

@@ -375,6 +375,44 @@ def test_a_closed_box_cannot_be_laid_flat(tmp_path: Path) -> None:
         read(tmp_path, corpus.cube())
 
 
+def test_of_a_folded_form_that_tears_the_crease_pattern_is_read(tmp_path: Path) -> None:
+    """Where the file has one: folded corners of few digits cannot be laid flat, those of the pattern can."""
+    pattern = {**corpus.box_net(), "frame_classes": ["creasePattern"]}
+    other = {**corpus.miura(2, 2), "frame_classes": ["foldedForm"]}
+    data = {**corpus.cube(), "frame_classes": ["foldedForm"], "file_frames": [other, pattern]}
+    assert counts(read(tmp_path, data)) == counts(read(tmp_path, corpus.box_net()))
+    told = [note for note in notes(tmp_path, data) if "cannot be laid flat" in note]
+    assert len(told) == 1
+    assert "frame 2, the file's crease pattern, is read" in told[0]
+    with pytest.raises(LamcError, match="cannot be laid flat: about vertex"):
+        read(tmp_path, {**data, "file_frames": [other]})
+    worse = {**pattern, "edges_assignment": ["M"]}
+    with pytest.raises(
+        LamcError, match=r"cannot be laid flat.*frame 2, the file's crease pattern, is none either: edges_"
+    ):
+        read(tmp_path, {**data, "file_frames": [other, worse]})
+    with pytest.raises(LamcError, match="so it is none that was folded"):
+        read(tmp_path, {**data, "frame_classes": ["creasePattern"], "file_frames": [other]})
+
+
+def test_a_key_that_only_tells_of_a_file_may_stand_twice(tmp_path: Path) -> None:
+    file = corpus.write(tmp_path / "sheet.fold", corpus.miura(2, 2))
+    text = file.read_text()
+    file.write_text(text.replace("{", '{"file_spec": 1.1, "file_author": "A", "file_author": "A", ', 1))
+    with pytest.warns(
+        DesignWarning, match="'file_spec' stands twice in one map, 1.1 and 1.2: the last is read"
+    ):
+        assert counts(lamc.load(file, card=CARD, crease=1e-3)) == (4, 4)  # type: ignore[arg-type]
+    file.write_text(text.replace("{", "{" + '"file_title": "A", "file_title": "B", ' * 50, 1))
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        lamc.load(file, card=CARD, crease=1e-3)
+    assert sum("stands twice" in str(each.message) for each in told) == 1
+    file.write_text(text.replace("{", '{"edges_vertices": [[0, 1]], ', 1))
+    with pytest.raises(LamcError, match="'edges_vertices' stands twice in one map; keep one of them"):
+        lamc.load(file)
+
+
 def test_a_million_edges_are_refused_soon_with_the_limit(tmp_path: Path) -> None:
     file = tmp_path / "big.fold"
     file.write_text('{"vertices_coords": [[0,0],[1,1]], "edges_vertices": [' + "[0,1]," * 10**6 + "[0,1]]}")

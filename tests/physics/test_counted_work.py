@@ -1,0 +1,78 @@
+"""Runs that end after so much counted work of their loops, wherever and whenever they run."""
+
+import numpy as np
+import pytest
+
+import lamc
+from lamc.basics.errors import RequestError
+from lamc.run.length import length_of
+from lamc.run.request import Status
+from tests.support import fold_corpus
+from tests.support.ctools import needs_cc
+from tests.support.mechanisms import chain
+
+pytestmark = needs_cc
+
+
+@pytest.fixture(scope="module")
+def sheet(tmp_path_factory: pytest.TempPathFactory) -> lamc.Simulator:
+    path = fold_corpus.write(tmp_path_factory.mktemp("sheet") / "sheet.fold", fold_corpus.miura(7, 7))
+    return lamc.compile(lamc.load(path, card=lamc.Card(), crease=1e-3))
+
+
+def test_twice_the_work_goes_farther_and_as_much_ends_alike(sheet: lamc.Simulator) -> None:
+    less, same, more = (sheet.run(10.0, max_work=work) for work in (1e7, 1e7, 2e7))
+    assert (less.t == same.t).all()
+    assert (less.q == same.q).all()
+    assert less.t[-1] < more.t[-1] < 10.0
+    for result in (less, more):
+        assert result.status == Status.STEP_LIMIT
+        assert "max_work" in result.message
+        assert "steps were tried" not in result.message
+    # What goes on is the same motion: its steps are those of the shorter run, but for the last of it.
+    assert (more.t[: len(less.t) - 1] == less.t[:-1]).all()
+
+
+def test_rows_and_the_energy_balance_change_nothing_of_where_it_ends(sheet: lamc.Simulator) -> None:
+    """They are evaluated between steps, and settled there, which is work that the motion does not need."""
+    plain = sheet.run(10.0, max_work=1e7)
+    rows = sheet.run(10.0, max_work=1e7, t_eval=np.linspace(0.0, float(plain.t[-1]), 301))
+    balanced = sheet.run(10.0, max_work=1e7, energy_balance=True)
+    assert plain.status == rows.status == balanced.status == Status.STEP_LIMIT
+    assert plain.t[-1] == rows.t[-1] == balanced.t[-1]
+    both = sheet.run(10.0, max_work=1e7, energy_balance=True, sensitivities=[f"{sheet.joints[0]}.stiffness"])
+    assert both.t[-1] == plain.t[-1]
+
+
+def test_a_run_to_an_accuracy_has_no_limit(sheet: lamc.Simulator) -> None:
+    assert sheet.run(1e-3, accuracy=1e-2, max_work=1.0).success
+
+
+def test_a_tree_has_no_such_work() -> None:
+    result = lamc.compile(chain(2)).run(0.1, max_work=1.0)
+    assert result.success
+
+
+@pytest.mark.parametrize("work", [0.0, -1.0, float("nan"), "much"])
+def test_work_that_is_none_is_refused(sheet: lamc.Simulator, work: object) -> None:
+    with pytest.raises(RequestError, match="max_work"):
+        sheet.run(1.0, max_work=work)  # type: ignore[arg-type]
+
+
+def test_a_run_of_the_command_line_has_a_limit_where_nobody_says_how_long(sheet: lamc.Simulator) -> None:
+    assert length_of(None, None, sheet).work is not None
+    assert length_of(10.0, None, sheet).work is None
+    assert length_of(None, 100, sheet).work is None
+
+
+def test_the_remark_has_the_steps_that_were_taken(
+    sheet: lamc.Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lamc.run.length.MOST_WORK", 3e7)
+    length = length_of(None, None, sheet)
+    if not length.is_own:
+        pytest.skip("a sheet of so few hinges has no counted steps")
+    result = length.run(sheet, 0)
+    tried = result.stats.accepted + (result.stats.rejected or 0)
+    assert 0 < tried < length.steps
+    assert f"and {tried} steps of" in length.remark(sheet, result)

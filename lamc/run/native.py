@@ -281,11 +281,12 @@ def _advance(
                 return int(Status.FOLDED), why
             if status == 0:
                 return status, ""
-            if is_limited and float(lib.lamc_motion_work_done(motion)) > request.most_work:
+            share = float(lib.lamc_motion_work_done(motion)) / request.most_work if is_limited else 0.0
+            if share > 1.0:
                 return int(Status.STEP_LIMIT), WORK_DONE
             now = time.perf_counter()
             if request.progress is not None and (not asks or now - told >= SLICE):
-                request.progress(float(run.t), request.t_end)
+                request.progress(max(float(run.t), share * request.t_end), request.t_end)
                 told = now
             if not asks:
                 pace = (run.evaluations - before) / max(now - started, 1e-6)  # evaluations per second

@@ -76,3 +76,14 @@ def test_the_remark_has_the_steps_that_were_taken(
     tried = result.stats.accepted + (result.stats.rejected or 0)
     assert 0 < tried < length.steps
     assert f"and {tried} steps of" in length.remark(sheet, result)
+
+
+def test_progress_is_that_of_the_work_where_that_ends_a_run(
+    sheet: lamc.Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lamc.run.native.SLICE", 0.0)  # told after each step
+    told: list[tuple[float, float]] = []
+    result = sheet.run(10.0, max_work=1e7, progress=lambda t, end: told.append((t, end)))
+    assert result.t[-1] < 1.0
+    assert 8.0 < told[-1][0] <= 10.0 == told[-1][1]
+    assert [t for t, _ in told] == sorted(t for t, _ in told)

@@ -37,7 +37,11 @@ if TYPE_CHECKING:
     metavar="SHARE",
     help="Error of the outputs that is wanted, of their range: 1e-3 or '0.1 %'. It finds integrator and tolerances.",
 )
-@click.option("--rtol", type=float, help="Relative tolerance of a step.  [default: 1e-9]")
+@click.option(
+    "--rtol",
+    type=float,
+    help="Relative tolerance of a step.  [default: 1e-9; 1e-6 where that gets far and nobody says how long]",
+)
 @click.option("--atol", type=float, help="Absolute tolerance of a step, rad and rad/s.  [default: 1e-11]")
 @click.option(
     "--integrator",

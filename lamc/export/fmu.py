@@ -37,7 +37,8 @@ from lamc.export.series import from_outside, resources
 from lamc.export.zips import zipped
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
-from lamc.run.simulator import RTOL, Simulator
+from lamc.run.defaults import RTOL
+from lamc.run.simulator import Simulator
 
 _FOLDER = "export/fmu"
 _FLAGS = (

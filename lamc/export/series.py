@@ -16,8 +16,9 @@ from lamc.records.effect import hooked
 from lamc.records.inputs import is_of_effect
 from lamc.records.scene import Scene
 from lamc.records.series import Series
+from lamc.run.defaults import RTOL
 from lamc.run.following import Following, series_of
-from lamc.run.simulator import RTOL, Simulator
+from lamc.run.simulator import Simulator
 from lamc.symbolic.program import Program
 
 MOST_ROWS = 100_000  # of all tables: some 10 MB of C, and seconds of a compiler

@@ -4,6 +4,7 @@ import math
 
 DURATION = 10.0  # s
 MAX_STEPS = 1_000_000
+RTOL, ATOL = 1e-9, 1e-11  # of a step
 _FEWEST, _MOST_NUMBERS = 2001, 4_000_000  # rows; numbers in the table of a result
 
 

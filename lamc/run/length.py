@@ -4,6 +4,7 @@ In: what was asked for, a simulator. Out: an end, a number of steps, and a remar
 looks at a clock, so that a run ends alike on every machine.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +13,7 @@ import numpy as np
 from lamc.loops.misfit import length
 from lamc.loops.texts import MAY_BEND, ROUND_OFF
 from lamc.records.mechanism import Array
-from lamc.run.defaults import DURATION, MAX_STEPS, MOST_WORK, default_rows, default_steps
+from lamc.run.defaults import ATOL, DURATION, MAX_STEPS, MOST_WORK, RTOL, default_rows, default_steps
 from lamc.run.request import Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -23,6 +24,10 @@ _MANY = (
 # What neither drives a sheet for longer than its creases do, nor stops its hinges: with others, runs do not end where a
 # fold seems over.
 _AT_REST = {"gravity", "hinge_damping", "hinge_stiffness", "rest_angle"}
+_ROWS = 2000  # steps of loops, at least, before their count of work ends a run: each has a row then
+# Near singular positions accelerations have few digits, and steps are as short as the tolerance asks for: a looser one
+# comes tens of times as far. It is taken where it comes farther by this factor.
+LOOSE, FARTHER = 1e-6, 2.0
 _PATIENCE = 5  # times the counted steps: of small loops, which are not stuck after as many, 20 s of work
 
 
@@ -47,17 +52,19 @@ class Length:
 
     def run(self, simulator: Simulator, rows: int, **arguments: Any) -> Result:
         """A run of this length with so many rows, evenly spread over what there is of it; 0: one after each step. A
-        fold that is over before its end is run once more, step by step the same, for rows that show it. arguments: as
-        for `Simulator.run`."""
-        limits: dict[str, Any] = {
-            "max_steps": self.steps,
-            "until_folded": self.until_folded,
-            "max_work": self.work,
-        }
-        result = simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **limits, **arguments)
+        fold that is over before its end is run once more, step by step the same, for rows that show it. One that work
+        of lamc's choice ends is run once more at a looser tolerance, if nobody gives one, and is that of both which
+        got farther by far. arguments: as for `Simulator.run`."""
+        arguments |= {"max_steps": self.steps, "until_folded": self.until_folded, "max_work": self.work}
+        result = simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **arguments)
+        if result.status == Status.STEP_LIMIT and self.is_own and not _says_how_exact(arguments):
+            looser = arguments | {"rtol": LOOSE, "atol": LOOSE * ATOL / RTOL}
+            farther = simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **looser)
+            if farther.t[-1] > FARTHER * result.t[-1]:
+                result, arguments = farther, looser
         if result.status != Status.FOLDED or not rows:
             return result
-        return simulator.run(self.t_end, t_eval=_even(float(result.t[-1]), rows), **limits, **arguments)
+        return simulator.run(self.t_end, t_eval=_even(float(result.t[-1]), rows), **arguments)
 
     def remark(self, simulator: Simulator, result: Result) -> str:
         """Why a run of lamc's choice ended before 10 s, and the way out; empty where it did not, or failed."""
@@ -69,11 +76,14 @@ class Length:
             )
         if not self.is_own or result.status != Status.STEP_LIMIT:
             return ""
+        tolerance = ", and a looser --rtol takes longer steps"
+        if result.stats.rtol == LOOSE:
+            tolerance = f"; at rtol {LOOSE:g} it gets farther than at {RTOL:g} by as much work, and --rtol says another"
         return (
             f"nobody says how long it is to run, and {_tried(result)} steps of {len(simulator.joints)} hinges with "
             f"{simulator.freedoms} freedoms are as much work as a run does by itself: it ends before "
             f"{self.t_end:g} s; --t-end {self.t_end:g}, or a duration in its scene, runs to there however long that "
-            f"takes, and a looser --rtol takes longer steps{_of_misfit(simulator)}"
+            f"takes{tolerance}{_of_misfit(simulator)}"
         )
 
 
@@ -107,7 +117,13 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
     if steps >= _MANY:
         most = min(MAX_STEPS, _PATIENCE * steps)
         return Length(end, most, until_folded=folds, work=_PATIENCE * MOST_WORK)
+    if simulator.cut_joints:
+        steps = max(steps, _ROWS)
     return Length(end, steps, is_own=True, until_folded=folds, work=MOST_WORK)
+
+
+def _says_how_exact(arguments: Mapping[str, Any]) -> bool:
+    return any(arguments.get(name) is not None for name in ("rtol", "atol", "accuracy"))
 
 
 def _tried(result: Result) -> int:

@@ -28,7 +28,7 @@ from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_names, checked_rate
-from lamc.run.defaults import DURATION
+from lamc.run.defaults import ATOL, DURATION, RTOL
 from lamc.run.differentiating import Made, with_derivatives
 from lamc.run.evaluations import NO_PARAMETERS
 from lamc.run.extended import Modules
@@ -56,8 +56,6 @@ if TYPE_CHECKING:  # what a compiled module from the cache does without
 
 logger = logging.getLogger("lamc")
 _T = TypeVar("_T")
-
-RTOL, ATOL = 1e-9, 1e-11  # where none are given
 
 
 class Simulator(Running, OperatingPoints, Viewable):

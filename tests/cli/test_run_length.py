@@ -80,6 +80,7 @@ def test_loops_that_close_only_within_a_tolerance_count_as_more_work() -> None:
 def test_frames_of_a_motion_end_there_too(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of an export that nobody gives a length."""
     monkeypatch.setattr(defaults, "_MOST_WORK", 1)
+    monkeypatch.setattr(length, "_ROWS", 1)
     write(Path("sheet.fold"), miura(2, 2))
     made = CliRunner().invoke(main, ["export", "sheet.fold", "--to", "fold", "--out", "f"])
     assert made.exit_code == 0, made.output
@@ -95,6 +96,7 @@ def test_a_run_that_short_steps_end_names_what_loops_fit_by_and_the_way_out(
     close nearly, bent ones exactly."""
     monkeypatch.setattr(defaults, "_MOST_WORK", 20 * 12 * 24 * 151)
     monkeypatch.setattr(length, "_MANY", 1_000_000)
+    monkeypatch.setattr(length, "_ROWS", 1)
     data = miura(4, 4)
     random = np.random.default_rng(3)
     corners = np.array(data["vertices_coords"])

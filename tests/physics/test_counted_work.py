@@ -65,17 +65,42 @@ def test_a_run_of_the_command_line_has_a_limit_where_nobody_says_how_long(sheet:
     assert length_of(None, 100, sheet).work is None
 
 
+@pytest.fixture(scope="module")
+def large(tmp_path_factory: pytest.TempPathFactory) -> lamc.Simulator:
+    """A sheet of so many hinges that lamc says how many steps a run has."""
+    path = fold_corpus.write(tmp_path_factory.mktemp("large") / "sheet.fold", fold_corpus.miura(9, 9))
+    return lamc.compile(lamc.load(path, card=lamc.Card(), crease=1e-3))
+
+
 def test_the_remark_has_the_steps_that_were_taken(
-    sheet: lamc.Simulator, monkeypatch: pytest.MonkeyPatch
+    large: lamc.Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lamc.run.length.MOST_WORK", 3e7)
-    length = length_of(None, None, sheet)
-    if not length.is_own:
-        pytest.skip("a sheet of so few hinges has no counted steps")
-    result = length.run(sheet, 0)
+    monkeypatch.setattr("lamc.run.length.MOST_WORK", 3e6)
+    length = length_of(None, None, large)
+    assert length.is_own
+    result = length.run(large, 0, rtol=1e-9)
     tried = result.stats.accepted + (result.stats.rejected or 0)
     assert 0 < tried < length.steps
-    assert f"and {tried} steps of" in length.remark(sheet, result)
+    assert f"and {tried} steps of" in length.remark(large, result)
+    assert "a looser --rtol takes longer steps" in length.remark(large, result)
+
+
+def test_where_work_ends_a_run_a_looser_tolerance_is_tried_and_told(
+    large: lamc.Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """If nobody gives one, and it gets farther by far: a sheet that is seen to fold, to six digits, in place of one
+    that has hardly moved, to nine."""
+    monkeypatch.setattr("lamc.run.length.MOST_WORK", 3e6)
+    length = length_of(None, None, large)
+    exact, taken = length.run(large, 0, rtol=1e-9), length.run(large, 0)
+    assert taken.stats.rtol == 1e-6
+    assert taken.t[-1] > 2.0 * exact.t[-1]
+    assert "at rtol 1e-06 it gets farther" in length.remark(large, taken)
+    monkeypatch.setattr("lamc.run.length.FARTHER", 1e6)
+    assert length.run(large, 0).t[-1] == exact.t[-1]
+    monkeypatch.setattr("lamc.run.length.MOST_WORK", 1e12)
+    whole = length_of(None, None, large).run(large, 0)
+    assert whole.stats.rtol == 1e-9  # nothing ended it before
 
 
 def test_progress_is_that_of_the_work_where_that_ends_a_run(

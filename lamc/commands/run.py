@@ -39,7 +39,7 @@ from lamc.report.parameters_text import parameters_data
 from lamc.report.run_text import RunReport, energy_drift, summary
 from lamc.run.defaults import MAX_STEPS
 from lamc.run.files import energy_balance_data, write_csv, write_npz
-from lamc.run.length import Length, length_of
+from lamc.run.length import Length, Ran, length_of
 from lamc.run.outputs import outputs_of
 from lamc.run.request import Status
 from lamc.run.result import Result
@@ -116,8 +116,8 @@ def _made(order: RunOrder, loaded: Loaded, times: Times, progress: Progress) -> 
     _check_points(order.points, len(simulator.start))
     parameters = of_run(loaded.settings, simulator.parameter_units, list(loaded.record.parameters))
     with times.stage("run"):
-        result = _simulate(order, length, simulator, dict(parameters), progress)
-    return _Made(loaded, simulator, account, result, length.remark(simulator, result))
+        ran = _simulate(order, length, simulator, dict(parameters), progress)
+    return _Made(loaded, simulator, account, ran.result, ran.remark)
 
 
 def _of_facets(order: RunOrder, made: _Made, times: Times, progress: Progress) -> tuple[_Made, str]:
@@ -185,7 +185,7 @@ def _ending(result: Result, folder: Path, terminal: Terminal, *, interrupted: bo
 
 def _simulate(
     order: RunOrder, length: Length, simulator: Simulator, parameters: dict[str, float], progress: Progress
-) -> Result:
+) -> Ran:
     return length.run(
         simulator,
         length.rows(len(simulator.start)) if order.points is None else order.points,

@@ -42,7 +42,11 @@ if TYPE_CHECKING:
     type=float,
     help="Relative tolerance of a step.  [default: 1e-9; 1e-6 where that gets far and nobody says how long]",
 )
-@click.option("--atol", type=float, help="Absolute tolerance of a step, rad and rad/s.  [default: 1e-11]")
+@click.option(
+    "--atol",
+    type=float,
+    help="Absolute tolerance of a step, rad and rad/s.  [default: 1e-11; 1e-8 beside 1e-6]",
+)
 @click.option(
     "--integrator",
     default="auto",

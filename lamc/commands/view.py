@@ -196,5 +196,5 @@ def _run(
         )
     rows = length.rows(len(simulator.start))
     with times.stage("run"):
-        result = length.run(simulator, rows, parameters=parameters, progress=progress.part)
-    return result, length.remark(simulator, result)
+        ran = length.run(simulator, rows, parameters=parameters, progress=progress.part)
+    return ran.result, ran.remark

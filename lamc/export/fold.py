@@ -45,10 +45,10 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     _Sheet(mechanism, lossy=options.lossy)  # what cannot be is told before it runs
     simulator = compile_design(mechanism, scene)
     length = length_of(None, None, simulator)
-    result = length.run(simulator, FRAMES if length.rows(len(simulator.start)) else 0)
-    if remark := length.remark(simulator, result):
-        warn(remark)
-    return result_files(result, options, scene.angles)
+    ran = length.run(simulator, FRAMES if length.rows(len(simulator.start)) else 0)
+    if ran.remark:
+        warn(ran.remark)
+    return result_files(ran.result, options, scene.angles)
 
 
 def result_files(

@@ -60,7 +60,7 @@ def show_of(record: Any, *, live: bool, label: str = "", budget: int = MOST_BYTE
 def _run(simulator: Simulator) -> Result:
     """A run as `lamc run` makes it."""
     length = length_of(None, None, simulator)
-    return length.run(simulator, length.rows(len(simulator.start)))
+    return length.run(simulator, length.rows(len(simulator.start))).result
 
 
 def result_show(result: Result, *, live: bool, label: str = "", budget: int = MOST_BYTES) -> Show:

@@ -220,7 +220,7 @@ def _farther(
     clearest = {k: max(way, key=lambda at: at.clearness(nullity(at))) for k, way in enumerate(ways) if way}
     for number in sorted(clearest, key=lambda k: -clearest[k].clearness(nullity(clearest[k])))[:FARTHER]:
         clear = clearest[number]
-        weak = nullity(clear)
+        weak, ranks[number] = nullity(clear), 0
         while weak > 0:
             places = walk(geometry, clear.angles, clear.angles - start, 0.0, FAR_STEPS, weak)
             if places and measure_misfit(geometry, places, size - weak).gap <= allowed:
@@ -240,7 +240,7 @@ def _farther(
         k,
         clear,
     ) in clearest.items():  # of those that were not followed, what is weak near by and by this cutoff
-        ranks.setdefault(k, size - min(nullity(clear), int((clear.weak <= cutoff).sum())))
+        ranks.setdefault(k, size - max(1, min(nullity(clear), int((clear.weak <= cutoff).sum()))))
     by_way = tuple(ranks.get(k, 0) for k in range(len(ways)))
     farther = measure_misfit(geometry, places, size - min(weak for _, weak in taken))
     return farther, replace(found, ways=ways, ranks=by_way), cutoff

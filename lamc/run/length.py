@@ -4,8 +4,8 @@ In: what was asked for, a simulator. Out: an end, a number of steps, and a remar
 looks at a clock, so that a run ends alike on every machine.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -24,10 +24,11 @@ _MANY = (
 # What neither drives a sheet for longer than its creases do, nor stops its hinges: with others, runs do not end where a
 # fold seems over.
 _AT_REST = {"gravity", "hinge_damping", "hinge_stiffness", "rest_angle"}
-_ROWS = 2000  # steps of loops, at least, before their count of work ends a run: each has a row then
+_ROWS = 2000  # steps of loops, at least: their work, as it is counted, ends a run before
 # Near singular positions accelerations have few digits, and steps are as short as the tolerance asks for: a looser one
-# comes tens of times as far. It is taken where it comes farther by this factor.
+# comes tens of times as far. It is taken where it comes to the end, or farther by this factor.
 LOOSE, FARTHER = 1e-6, 2.0
+LOOSE_ATOL = LOOSE * ATOL / RTOL
 _PATIENCE = 5  # times the counted steps: of small loops, which are not stuck after as many, 20 s of work
 
 
@@ -50,41 +51,76 @@ class Length:
         rows = default_rows(self.t_end, size)
         return 0 if self.is_own and self.steps <= rows else rows
 
-    def run(self, simulator: Simulator, rows: int, **arguments: Any) -> Result:
-        """A run of this length with so many rows, evenly spread over what there is of it; 0: one after each step. A
-        fold that is over before its end is run once more, step by step the same, for rows that show it. One that work
-        of lamc's choice ends is run once more at a looser tolerance, if nobody gives one, and is that of both which
-        got farther by far. arguments: as for `Simulator.run`."""
-        arguments |= {"max_steps": self.steps, "until_folded": self.until_folded, "max_work": self.work}
-        result = simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **arguments)
-        if result.status == Status.STEP_LIMIT and self.is_own and not _says_how_exact(arguments):
-            looser = arguments | {"rtol": LOOSE, "atol": LOOSE * ATOL / RTOL}
-            farther = simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **looser)
-            if farther.t[-1] > FARTHER * result.t[-1]:
-                result, arguments = farther, looser
-        if result.status != Status.FOLDED or not rows:
-            return result
-        return simulator.run(self.t_end, t_eval=_even(float(result.t[-1]), rows), **arguments)
+    def run(self, simulator: Simulator, rows: int, **arguments: Any) -> "Ran":
+        """A run of this length with so many rows, evenly spread over what there is of it; 0: one after each step. One
+        that ends before its end is run once more, step by step the same, for rows that show it. Of loops, one that
+        work of lamc's choice ends is tried at a looser tolerance as well, if nobody gives one, and is that of both
+        which got farther by far; Ctrl-C then leaves the one that got farther. arguments: as for `Simulator.run`."""
+        is_native = not str(arguments.get("integrator", "")).startswith("scipy:")
+        has_work = self.is_own and bool(simulator.cut_joints) and is_native
+        steps = max(self.steps, _ROWS) if has_work else self.steps
+        arguments |= {"max_steps": steps, "until_folded": self.until_folded, "max_work": self.work}
+        result, is_looser = simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **arguments), False
+        if result.status == Status.STEP_LIMIT and has_work and not _says_how_exact(arguments):
+            looser = arguments | {"rtol": LOOSE, "atol": LOOSE_ATOL, "progress": None}
+            farther = _interruptible(
+                result, lambda: simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **looser)
+            )
+            if farther.status == Status.CANCELLED:
+                return Ran(farther, "")
+            is_far = farther.status == Status.STEP_LIMIT and farther.t[-1] > FARTHER * result.t[-1]
+            if farther.success or is_far:
+                result, arguments, is_looser = farther, looser, True
+        if rows and (result.status == Status.FOLDED or (result.status == Status.STEP_LIMIT and self.is_own)):
+            again = arguments | {"progress": None}
+            result = simulator.run(self.t_end, t_eval=_even(float(result.t[-1]), rows), **again)
+        return Ran(result, self._remark(simulator, result, is_looser=is_looser))
 
-    def remark(self, simulator: Simulator, result: Result) -> str:
-        """Why a run of lamc's choice ended before 10 s, and the way out; empty where it did not, or failed."""
+    def _remark(self, simulator: Simulator, result: Result, *, is_looser: bool) -> str:
+        """Why a run of lamc's choice ended before 10 s, and the way out, and at what tolerance it ran, where that is
+        another than usual; empty where neither is to be told, or it failed."""
+        tolerance = (
+            f"at rtol {LOOSE:g} it gets farther than at {RTOL:g} by as much work, and --rtol says another"
+        )
+        if result.status == Status.REACHED_END:
+            return f"nobody says how exact it is to be: {tolerance}" if is_looser else ""
         if result.status == Status.FOLDED:
             return (
                 "nobody says how long it is to run, and it ends where its fold is over, as nothing keeps facets from "
                 f"passing through one another: --t-end {self.t_end:g}, or a duration in its scene, runs on, and "
                 "joint_limits: {flat_fold: true} stops hinges at ±180°"
+                + (f"; {tolerance}" if is_looser else "")
             )
         if not self.is_own or result.status != Status.STEP_LIMIT:
             return ""
-        tolerance = ", and a looser --rtol takes longer steps"
-        if result.stats.rtol == LOOSE:
-            tolerance = f"; at rtol {LOOSE:g} it gets farther than at {RTOL:g} by as much work, and --rtol says another"
+        of_tolerance = f"; {tolerance}" if is_looser else ", and a looser --rtol takes longer steps"
         return (
             f"nobody says how long it is to run, and {_tried(result)} steps of {len(simulator.joints)} hinges with "
             f"{simulator.freedoms} freedoms are as much work as a run does by itself: it ends before "
             f"{self.t_end:g} s; --t-end {self.t_end:g}, or a duration in its scene, runs to there however long that "
-            f"takes{tolerance}{_of_misfit(simulator)}"
+            f"takes{of_tolerance}{_of_misfit(simulator)}"
         )
+
+
+@dataclass(frozen=True)
+class Ran:
+    """A run, and what is to be told of how it ended; empty: nothing, or its message says it."""
+
+    result: Result
+    remark: str
+
+
+def _interruptible(before: Result, run: Callable[[], Result]) -> Result:
+    """What `run` gives; after Ctrl-C, as cancelled, whichever of both got farther."""
+    try:
+        after = run()
+    except KeyboardInterrupt:
+        after = before
+    else:
+        if after.status != Status.CANCELLED or after.t[-1] > before.t[-1]:
+            return after
+    text = f"cancelled at t = {before.t[-1]:.9g} s; what was computed is kept"
+    return replace(before, status=Status.CANCELLED, message=text)
 
 
 def _even(end: float, rows: int) -> Array | None:
@@ -117,8 +153,6 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
     if steps >= _MANY:
         most = min(MAX_STEPS, _PATIENCE * steps)
         return Length(end, most, until_folded=folds, work=_PATIENCE * MOST_WORK)
-    if simulator.cut_joints:
-        steps = max(steps, _ROWS)
     return Length(end, steps, is_own=True, until_folded=folds, work=MOST_WORK)
 
 

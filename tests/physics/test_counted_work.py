@@ -1,11 +1,13 @@
 """Runs that end after so much counted work of their loops, wherever and whenever they run."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import lamc
 from lamc.basics.errors import RequestError
-from lamc.run.length import length_of
+from lamc.run.length import Length, length_of
 from lamc.run.request import Status
 from tests.support import fold_corpus
 from tests.support.ctools import needs_cc
@@ -78,11 +80,12 @@ def test_the_remark_has_the_steps_that_were_taken(
     monkeypatch.setattr("lamc.run.length.MOST_WORK", 3e6)
     length = length_of(None, None, large)
     assert length.is_own
-    result = length.run(large, 0, rtol=1e-9)
+    ran = length.run(large, 0, rtol=1e-9)
+    result = ran.result
     tried = result.stats.accepted + (result.stats.rejected or 0)
     assert 0 < tried < length.steps
-    assert f"and {tried} steps of" in length.remark(large, result)
-    assert "a looser --rtol takes longer steps" in length.remark(large, result)
+    assert f"and {tried} steps of" in ran.remark
+    assert "a looser --rtol takes longer steps" in ran.remark
 
 
 def test_where_work_ends_a_run_a_looser_tolerance_is_tried_and_told(
@@ -92,15 +95,61 @@ def test_where_work_ends_a_run_a_looser_tolerance_is_tried_and_told(
     that has hardly moved, to nine."""
     monkeypatch.setattr("lamc.run.length.MOST_WORK", 3e6)
     length = length_of(None, None, large)
-    exact, taken = length.run(large, 0, rtol=1e-9), length.run(large, 0)
+    exact, ran = length.run(large, 0, rtol=1e-9).result, length.run(large, 0)
+    taken = ran.result
     assert taken.stats.rtol == 1e-6
     assert taken.t[-1] > 2.0 * exact.t[-1]
-    assert "at rtol 1e-06 it gets farther" in length.remark(large, taken)
+    assert "at rtol 1e-06 it gets farther" in ran.remark
     monkeypatch.setattr("lamc.run.length.FARTHER", 1e6)
-    assert length.run(large, 0).t[-1] == exact.t[-1]
+    assert length.run(large, 0).result.t[-1] == exact.t[-1]
     monkeypatch.setattr("lamc.run.length.MOST_WORK", 1e12)
     whole = length_of(None, None, large).run(large, 0)
-    assert whole.stats.rtol == 1e-9  # nothing ended it before
+    assert whole.result.stats.rtol == 1e-9  # nothing ended it before
+    assert "1e-06" not in whole.remark
+
+
+def test_of_a_looser_run_that_comes_to_its_end_the_tolerance_is_told(large: lamc.Simulator) -> None:
+    exact = large.run(10.0, max_work=1e8)
+    assert exact.status == Status.STEP_LIMIT
+    end = 1.5 * float(exact.t[-1])
+    for folds in (False, True):
+        ran = Length(end, 4000, is_own=True, until_folded=folds, work=1e8).run(large, 0)
+        assert ran.result.success
+        assert ran.result.stats.rtol == 1e-6
+        assert "at rtol 1e-06 it gets farther" in ran.remark
+    asked = Length(end, 4000, is_own=True, work=1e8).run(large, 0, rtol=1e-6)
+    assert "at rtol" not in asked.remark
+
+
+def test_rows_show_what_work_ended(large: lamc.Simulator) -> None:
+    """Rows over 10 s would have one of it."""
+    length = Length(10.0, 4000, is_own=True, work=3e6)
+    each, even = (length.run(large, rows, rtol=1e-9).result for rows in (0, 51))
+    assert len(even.t) in (51, 52)
+    assert even.t[-1] == each.t[-1]
+
+
+def test_ctrl_c_while_the_looser_run_is_made_keeps_the_exact_one(large: lamc.Simulator) -> None:
+    exact = Length(10.0, 4000, is_own=True, work=3e6).run(large, 0, rtol=1e-9).result
+
+    class Impatient:
+        def __init__(self) -> None:
+            self.calls = 0
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(large, name)
+
+        def run(self, *given: Any, **named: Any) -> Any:
+            self.calls += 1
+            if self.calls == 2:
+                raise KeyboardInterrupt
+            return large.run(*given, **named)
+
+    impatient: lamc.Simulator = Impatient()  # type: ignore[assignment]
+    ran = Length(10.0, 4000, is_own=True, work=3e6).run(impatient, 0)
+    assert ran.result.status == Status.CANCELLED
+    assert ran.result.t[-1] == exact.t[-1]
+    assert "cancelled" in ran.result.message
 
 
 def test_progress_is_that_of_the_work_where_that_ends_a_run(

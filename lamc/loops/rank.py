@@ -220,7 +220,7 @@ def _farther(
     clearest = {k: max(way, key=lambda at: at.clearness(nullity(at))) for k, way in enumerate(ways) if way}
     for number in sorted(clearest, key=lambda k: -clearest[k].clearness(nullity(clearest[k])))[:FARTHER]:
         clear = clearest[number]
-        weak, ranks[number] = nullity(clear), 0
+        weak = nullity(clear)
         while weak > 0:
             places = walk(geometry, clear.angles, clear.angles - start, 0.0, FAR_STEPS, weak)
             if places and measure_misfit(geometry, places, size - weak).gap <= allowed:

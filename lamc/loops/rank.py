@@ -236,10 +236,8 @@ def _farther(
     weakest = max(float(place.weak[:weak].max()) for way, weak in taken for place in way)
     clearness = min(max(place.clearness(weak) for place in way) for way, weak in taken)
     cutoff = max(min(SMALL, math.sqrt(weakest * clearness), MARGIN * weakest), SOLVE)
-    for (
-        k,
-        clear,
-    ) in clearest.items():  # of those that were not followed, what is weak near by and by this cutoff
+    # Of ways that were not followed, what is weak near by and by this cutoff
+    for k, clear in clearest.items():
         ranks.setdefault(k, size - max(1, min(nullity(clear), int((clear.weak <= cutoff).sum()))))
     by_way = tuple(ranks.get(k, 0) for k in range(len(ways)))
     farther = measure_misfit(geometry, places, size - min(weak for _, weak in taken))

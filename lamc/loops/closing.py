@@ -35,13 +35,15 @@ def settle(
     cutoff: float = SOLVE,
     nullity: int | None = None,
     enough: float = CLOSED,
+    still: float = STILL,
 ) -> tuple[Array, float]:
     """Gauss-Newton from `angles` (n,) on those that are `free` (n,) bool, by least squares and least change.
 
     Directions with singular values below `cutoff` times the largest are left alone: loops that fit badly are then
     brought as near to closure as their motion allows, instead of to the one place where they close. Or
     else so many of the weakest, `nullity`, of what is free.
-    enough: of the largest residual; from there on a step that does not halve it is the last.
+    enough: of the largest residual; from there on a step that does not halve it is the last. still: rad, likewise of
+    steps that are as short.
     Returns the place reached, and its largest residual, rad or parts of lengths.
     """
     angles = angles.copy()
@@ -64,7 +66,7 @@ def settle(
         angles[columns] += step * min(1.0, LONGEST_STEP / longest)
         residual, linear = geometry.closure(angles)
         before, error = error, float(np.abs(residual).max(initial=0.0))
-        if error > 0.5 * before and (error <= enough or longest < STILL):
+        if error > 0.5 * before and (error <= enough or longest < still):
             break
     return angles, error
 

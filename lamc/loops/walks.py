@@ -7,15 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lamc.loops.closing import CLOSED, SOLVE, settle
+from lamc.loops.closing import CLOSED, SOLVE, STILL, settle
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.linear import EXACT
+from lamc.loops.linear import DENSE, EXACT
 from lamc.records.mechanism import Array
 
 STEPS = (0.1, 0.02, 4e-3)  # rad, of the joint that turns most; shorter where the first step is too long
 BENT = 0.7  # of a step: what is farther from the tangent is another motion
 TURNED = 0.5  # of a tangent: less of it is left where the motion does not go on
 GAP = 10.0  # between singular values: wider ones may part a misfit's from others
+CREEPING = (
+    1e-6  # rad: shorter steps of many loops that fit badly change a gap by a hundredth of what is allowed
+)
 APART = 0.05  # rad, or of lengths: loops farther apart do not fit badly, they do not fit
 
 
@@ -84,11 +87,12 @@ def _walk(
     places: list[LoopPosition] = []
     open_most = CLOSED if cutoff <= EXACT and nullity is None else APART
     across = None if nullity is None else nullity - 1  # with the joint that leads held
+    still = STILL if open_most == CLOSED or len(angles) <= DENSE else CREEPING
     for _ in range(count):
         lead = int(np.argmax(np.abs(tangent)))
         ahead = tangent * (step / abs(tangent[lead]))
         free = np.arange(len(angles)) != lead
-        following, error = settle(geometry, angles + ahead, free, max(cutoff, SOLVE), across)
+        following, error = settle(geometry, angles + ahead, free, max(cutoff, SOLVE), across, still=still)
         if error > open_most or np.abs(following - angles - ahead).max() > BENT * step:
             break
         linear = geometry.linear(following)

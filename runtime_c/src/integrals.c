@@ -89,7 +89,7 @@ void lamc_integrals_step(lamc_run *run) {
   for (int m = 0; m < r.k; m++) r.here[m] += run->h_last * r.coefficients[m];
   run->watch.mark_cost += (lamc_real)(run->evaluations - before); /* they must not sway LAMC_AUTO */
   lamc_watch_forget(run, work);
-  if (run->ode.doubts != NULL) run->dense = dense;                /* rows ask whether making it met doubts */
+  if (run->ode.doubts != NULL) run->dense = dense; /* rows ask whether making it met doubts */
 }
 
 void lamc_integrals_before(lamc_run *run) {

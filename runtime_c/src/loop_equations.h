@@ -97,7 +97,8 @@ static inline int lamc_loop_same(ptrdiff_t n, const lamc_real *a, const lamc_rea
 static inline void lamc_loop_count_take(const lamc_loop_parts *p, int count) {
   const lamc_real n = (lamc_real)p->n, free = n - (lamc_real)count;
   const lamc_real dense = p->is_sparse ? 0 : LAMC_R(0.5) * (lamc_real)p->m * n * (lamc_real)count;
-  const lamc_real reduced = free * ((lamc_real)WORK_OF_MOMENTA * n + LAMC_R(0.2) * n * free + free * free / 10);
+  const lamc_real reduced =
+      free * ((lamc_real)WORK_OF_MOMENTA * n + LAMC_R(0.2) * n * free + free * free / 10);
   lamc_loop_count_work(p, dense + reduced);
 }
 

@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.basics.threads import hold_scipy_too
+from lamc.loops.decompositions import decomposed
 from lamc.records.mechanism import Array
 
 if TYPE_CHECKING:
@@ -66,8 +67,7 @@ class Linear:
     @cached_property
     def dense(self) -> tuple[Array, Array, Array]:
         """U (m, r), singular values (min(m, n),), descending, V (n, n) by rows in their order."""
-        left, values, right = np.linalg.svd(self.matrix, full_matrices=self.matrix.shape[0] < self.count)
-        return left, values, right
+        return decomposed(self.matrix, full=self.matrix.shape[0] < self.count)
 
     @cached_property
     def scale(self) -> float:
@@ -98,7 +98,7 @@ class Linear:
                 pushed = self._factors.solve(np.vstack([block, np.zeros((len(self.used), size))]))
                 block = np.linalg.qr(pushed[: self.count])[0]
             held = self.matrix @ block
-            _, found, mixed = np.linalg.svd(held, full_matrices=held.shape[0] < size)
+            _, found, mixed = decomposed(held, full=held.shape[0] < size)
             values = np.concatenate([np.zeros(size - len(found)), found[::-1] / self.scale])
             block = block @ mixed[::-1].T
             if values[-1] > WEAK or size == self.count:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from lamc.loops.decompositions import singular_values
 from lamc.loops.geometry import LoopGeometry
 from lamc.records.mechanism import Array
 
@@ -70,7 +71,7 @@ class LocalForms:
 
     def freedoms(self, basis: Array, rates: Array, least: float) -> int:
         """The dimension of the family of zeros around `rates` (n,)."""
-        strengths = np.linalg.svd(self.slopes(rates) @ basis, compute_uv=False)
+        strengths = singular_values(self.slopes(rates) @ basis)
         return int(basis.shape[1] - (strengths > least).sum())
 
     @cached_property

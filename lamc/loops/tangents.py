@@ -15,6 +15,7 @@ import numpy as np
 
 from lamc.basics.threads import on_one_thread
 from lamc.loops.closing import SMALL, Mask
+from lamc.loops.decompositions import decomposed, singular_values
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import EXACT
 from lamc.loops.local_forms import LocalForms, local_forms
@@ -85,7 +86,7 @@ class Tangents:
 
     def freedoms(self, x: Array, least: float) -> int:
         """The dimension of the cone of zeros around one: slopes of less than `least` hold nothing."""
-        strengths = np.linalg.svd(self.slopes(x), compute_uv=False)
+        strengths = singular_values(self.slopes(x))
         return int(self.basis.shape[1] - (strengths > least).sum())
 
     def residual(self, rates: Array) -> float:
@@ -139,7 +140,7 @@ def _independent(rows: Array, least: float, *, exactly: bool) -> Array:
     """Orthonormal rows that span `rows` but for what is weaker than `least`, of one or of the largest. exactly: by
     singular values; else by pivots, which takes a thousand rows of 2000 in a second instead of minutes."""
     if exactly:
-        _, strengths, found = np.linalg.svd(rows, full_matrices=False)
+        _, strengths, found = decomposed(rows)
     else:
         from scipy.linalg import qr  # a quarter of a second, which reading a design does not need
 

@@ -121,10 +121,15 @@ def _made(order: RunOrder, loaded: Loaded, times: Times, progress: Progress) -> 
 
 
 def _of_facets(order: RunOrder, made: _Made, times: Times, progress: Progress) -> tuple[_Made, str]:
-    """A run, or one of facets that bend in its place where rigid ones came apart that nobody asked for, and the other
-    got farther; and what is told of that."""
+    """A run, or one of facets that bend in its place where rigid ones came apart that nobody asked for, or did not come
+    off, and the other got farther; and what is told of that."""
     misfit, path = made.simulator.loops.misfit, made.loaded.path
-    if made.result.status not in _APART or made.simulator.loops.accepted_gap == 0.0 or misfit is None:
+    is_stuck = made.result.status == Status.STEP_LIMIT and not made.result.stats.accepted
+    if (
+        (made.result.status not in _APART and not is_stuck)
+        or made.simulator.loops.accepted_gap == 0.0
+        or misfit is None
+    ):
         return made, ""
     asked = order.source.sheet.facets is not None or order.changes.branch is not None
     if asked or path is None or path.suffix.lower() not in _DRAWINGS:

@@ -16,6 +16,7 @@ from lamc.basics.readonly import ReadOnlyDict
 from lamc.loops.closing import CLOSED, SOLVE, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.least_constraint import least_constrained
+from lamc.loops.linear import EXACT
 from lamc.loops.tangents import EXACTLY, FEW_FREE, Fit, Tangents, tangents
 from lamc.loops.walks import walk
 from lamc.loops.zeros import MOST, arrivals, binary, spherical, usual
@@ -210,14 +211,17 @@ def _moved_out(geometry: LoopGeometry, angles: Array, rates: Array, fit: Fit) ->
     return places[0].angles if places else None
 
 
-def clear_of(geometry: LoopGeometry, angles: Array, place: Array) -> Array:
+def clear_of(
+    geometry: LoopGeometry, angles: Array, place: Array, cutoff: float = EXACT, most_open: float = CLOSED
+) -> Array:
     """From a place (n,) beside a singular position on along its motion, until the closure is not as weak as next to
     that, or FARTHEST from there: of sheets of hundreds of creases, some vertices hardly fold while others do, and their
-    equations are round-off."""
-    way, step, free = place - angles, OUT, geometry.linear(place).nullity()
+    equations are round-off. cutoff, most_open: what is no equation, and how far residuals may be open, of loops that
+    fit badly."""
+    way, step, free = place - angles, OUT, geometry.linear(place).nullity(cutoff)
     for _ in range(MOST_STEPS):
         linear = geometry.linear(place)
-        motions, far = linear.free(), float(np.abs(place - angles).max())
+        motions, far = linear.free(cutoff), float(np.abs(place - angles).max())
         known = linear.weak[0]
         clear = float(known[free]) if free < len(known) else 1.0
         ahead = motions.T @ (motions @ way)
@@ -225,9 +229,9 @@ def clear_of(geometry: LoopGeometry, angles: Array, place: Array) -> Array:
             break
         ahead *= min(step, FARTHEST - far) / np.abs(ahead).max()
         held = int(np.argmax(np.abs(ahead)))
-        following, error = settle(geometry, place + ahead, np.arange(len(place)) != held, SOLVE)
+        following, error = settle(geometry, place + ahead, np.arange(len(place)) != held, max(cutoff, SOLVE))
         near = np.abs(following - place - ahead).max() < BENT * np.abs(ahead).max()
-        if error <= CLOSED and near:
+        if error <= most_open and near:
             way, place, step = following - place, following, 2.0 * step
         else:
             step *= 0.5

@@ -196,7 +196,9 @@ def _nearly(
         cutoff = min(SMALL, math.sqrt(weakest * clear.clearness(size - rank)), MARGIN * weakest)
         best = misfit, found, max(cutoff, SOLVE)
         if misfit.gap <= allowed:
-            farther = _farther(geometry, start, best, nullity, allowed) if size > DENSE else best
+            if size <= DENSE:  # measured over half a turn
+                return best
+            farther = _farther(geometry, start, best, nullity, allowed)
             is_exact = farther[0].gap <= CLOSED * geometry.size and exact.moves
             return none if is_exact else farther
     # What is nearly so, and is not accepted, is no matter where loops move exactly as well.

@@ -230,8 +230,9 @@ class Starter:
                     f"branch {number} leads nowhere: the loops fit badly, and close on its other side only; choose "
                     f"{-number}"
                 )
-            if self.size > LARGE and not self.count.accepted_gap:
-                place = clear_of(self.geometry, angles, place)
+            if self.size > LARGE:
+                most_open = max(CLOSED, self.count.accepted_gap / self.geometry.size)
+                place = clear_of(self.geometry, angles, place, max(EXACT, self._weak), most_open)
             return place, np.zeros(self.size)
         rates = self._scaled(way, given)
         if rates is None:

@@ -91,7 +91,7 @@ class Length:
                 "joint_limits: {flat_fold: true} stops hinges at ±180°"
                 + (f"; {tolerance}" if is_looser else "")
             )
-        if not self.is_own or result.status != Status.STEP_LIMIT:
+        if not self.is_own or result.status != Status.STEP_LIMIT or not result.stats.accepted:
             return ""
         of_tolerance = f"; {tolerance}" if is_looser else ", and a looser --rtol takes longer steps"
         return (

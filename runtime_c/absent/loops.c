@@ -1,6 +1,8 @@
 /* loops.c where a model has no loops: what motion.c and others ask of it, at no cost. Only lamc's amalgamation reads it. */
 #include "loops.h"
 
+#include <stddef.h>
+
 long long lamc_loops_work(const lamc_model *model) {
   (void)model;
   return 0;

@@ -19,7 +19,12 @@ ROUNDS = (
     6  # at most, of looking for an order of elimination: lamc_sparse_find, by tenths down to what is let go
 )
 ITERATIONS = 8  # at most, of bringing a state back to closure: MAX_ITERATIONS of loops.c
-PLACES = 6  # around a passage of a singular position: solve_around of loops.c
+TRIES, EACH = (
+    3,
+    6,
+)  # of places around a passage of a singular position, and how many each has: solve_around of loops.c
+PLACES = TRIES * EACH
+COUNTED = 12  # of the work of loops: lamc_loop_count_take and what counts beside it, for one elimination
 RUNGE_KUTTA_STAGES, RODAS_STAGES = 4, int(METHODS["rodas5p"].least_evaluations)
 
 
@@ -88,8 +93,17 @@ class _Sizes:
     @property
     def take(self) -> int:
         """J eliminated, and what the equations leave free, with its mass."""
-        order = self._planned + self._found if self.plan else self._pivoted
-        return order + self.rank + 1 + self._most(self._reduce)
+        return self.order + self.rank + 1 + self._most(self._reduce) + COUNTED
+
+    @property
+    def order(self) -> int:
+        """J eliminated."""
+        return self._planned + self._found if self.plan else self._pivoted
+
+    @property
+    def look(self) -> int:
+        """A little ahead of a passage, in large loops: a place, and what of its equations fades."""
+        return 2 + 2 * self.n + self.normalise + self.order + 2 * self.m + COUNTED if self.plan else 0
 
     @property
     def _pivoted(self) -> int:
@@ -101,12 +115,12 @@ class _Sizes:
     def _planned(self) -> int:
         """By the plan, whose last pivot may turn out too small."""
         left = [len(step.left) for step in self.plan]
-        return sum(3 + sum(2 * left[k] - 1 for k in step.updates) for step in self.plan)
+        return sum(3 + sum(2 * left[k] for k in step.updates) for step in self.plan)
 
     @property
     def _found(self) -> int:
         """Rows that wait are looked at once in each round, each freed of all steps."""
-        row = sum(2 * (self.n - k) - 1 for k in range(self.rank))
+        row = sum(2 * (self.n - k) for k in range(self.rank))
         return ROUNDS * (self.m * row + 1) + 2 * self.rank
 
     def _most(self, counted: Callable[[int], int]) -> int:
@@ -210,8 +224,9 @@ def _telling(program: Program) -> _Work:
 
 def _accelerations(program: Program, sizes: _Sizes, count: int) -> _Work:
     if program.cuts:
-        inner = count * (2 * sizes.prepare + 1 + sizes.solve + PLACES * sizes.around)
-        times = Counter(rates=count * PLACES) + _prepared(sizes, count * (2 + PLACES))
+        inner = count * (2 * sizes.prepare + 1 + sizes.solve + PLACES * sizes.around + TRIES * sizes.look)
+        looks = count * TRIES if sizes.plan else 0
+        times = Counter(rates=count * PLACES, closure=looks) + _prepared(sizes, count * (2 + PLACES))
         solved = Counter(residual=count * (1 + PLACES))
         return _Work(times + solved, inner) + _settling(sizes, count * (1 + PLACES))
     if "acceleration" in program.functions:

@@ -185,9 +185,10 @@ static int solve_apart(const lamc_motion *motion, lamc_loop_parts *p, lamc_real 
   return 1;
 }
 
-/* 1 if equations fade as much a little along the hinges' rates as they do here: the state is not on its way through a
- * singular position, and nothing is gained from there. Looked at without closing the place, which is as far from closure
- * as the square of the way, so that what is near the limit is left to `solve_apart`. */
+/* Of large loops, in which a place around takes long: 1 if equations fade as much a little along the hinges' rates as
+ * they do here. The state is then on no way through a singular position, and nothing is gained from there. Looked at
+ * without closing the place, which is as far from closure as the square of the way: what is near the limit is left to
+ * solve_apart. */
 static int stays_faint(const lamc_motion *motion, lamc_loop_parts *p, const lamc_real *q, const lamc_real *u,
                        lamc_real apart) {
   const lamc_real way = apart / largest(p->beyond, u);

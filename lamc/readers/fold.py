@@ -26,10 +26,13 @@ def read_fold(text: str, file: str, options: SheetOptions, limits: Limits) -> Me
         try:
             return _sheet_of(data, file, options)
         except TornError as torn:
-            number = crease_pattern(data, file)
-            if not number:
-                raise
             told = torn.message.partition(", so")[0]
+            try:
+                number = crease_pattern(data, file)
+            except DesignError as error:
+                raise type(error)(f"{told}; of its other frames, {error.message}", error.place) from torn
+            if number is None:
+                raise
             try:
                 made = _sheet_of(data, file, options, number)
             except DesignError as error:

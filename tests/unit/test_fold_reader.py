@@ -391,6 +391,11 @@ def test_of_a_folded_form_that_tears_the_crease_pattern_is_read(tmp_path: Path) 
         LamcError, match=r"cannot be laid flat.*frame 2, the file's crease pattern, is none either: edges_"
     ):
         read(tmp_path, {**data, "file_frames": [other, worse]})
+    lost = {**pattern, "frame_inherit": True, "frame_parent": 9}
+    with pytest.raises(
+        LamcError, match=r"cannot be laid flat.*of its other frames, frame 2 has frame_parent 9"
+    ):
+        read(tmp_path, {**data, "file_frames": [other, lost]})
     with pytest.raises(LamcError, match="so it is none that was folded"):
         read(tmp_path, {**data, "frame_classes": ["creasePattern"], "file_frames": [other]})
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.linear import DAMPING, DENSE, least_changes
+from lamc.loops.linear import DAMPING, DENSE, Linear, least_changes
 from lamc.records.mechanism import Array
 
 Mask = npt.NDArray[np.bool_]
@@ -19,6 +19,7 @@ SOLVE = 1e-9  # relative to the largest singular value: a smaller one is none of
 SMALL = 2e-2  # likewise: below it a singular value may be a misfit, some hundredths of a radian or of the size at most
 LONGEST_STEP = 0.5  # rad; lines of rotation are straight no farther
 MAX_ITERATIONS = 60
+FRUITLESS = 8  # steps of many loops that fit badly and do not come closer by half: weak directions come and go by turns
 FEW_ITERATIONS = 8  # of damped ones
 STILL = 1e-10  # rad: a step that leaves open what it should close is the last, if it is as short
 NEAREST, NEARER, ARRIVED = (
@@ -50,12 +51,15 @@ def settle(
     columns = np.arange(len(angles)) if free is None else np.flatnonzero(free)
     residual, linear = geometry.closure(angles)
     error = float(np.abs(residual).max(initial=0.0))
+    part: Linear | None = None
     # Of very large loops that fit badly, steps are damped, and weak directions creep.
     damped = cutoff > DAMPING and nullity is None and linear.is_very_large
+    fits_badly = (cutoff > DAMPING or nullity is not None) and not linear.is_small
+    least, fruitless = error, 0
     for _ in range((FEW_ITERATIONS if damped else MAX_ITERATIONS) if len(columns) else 0):
-        if error <= 1e-2 * CLOSED:
+        if error <= 1e-2 * CLOSED or (fits_badly and fruitless >= FRUITLESS):
             break
-        part = linear.part(columns)
+        part = linear.part(columns).after(part)
         if damped:
             step = part.damped_change(-residual, cutoff)
         else:
@@ -68,6 +72,7 @@ def settle(
         before, error = error, float(np.abs(residual).max(initial=0.0))
         if error > 0.5 * before and (error <= enough or longest < still):
             break
+        least, fruitless = (error, 0) if error < 0.5 * least else (least, fruitless + 1)
     return angles, error
 
 

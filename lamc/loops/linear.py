@@ -30,9 +30,13 @@ DENSE = 60  # columns: up to here a decomposition takes a few milliseconds, as s
 DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, and comes with the next steps
 BLOCK = 8  # vectors of inverse iteration, to begin with
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
+FEW_ROUNDS = 2  # from the vectors of a matrix nearby
+BEYOND = 2.0  # times the largest that is looked for there are some, of which a round makes a quarter of it
 WEAK = 3e-3  # of the largest singular value: in large matrices, smaller ones are looked for
 EXACT = 1e-11  # likewise: below it a closure matrix has round-off only
-FEW_ROWS = 700  # that hold something: of so many the squared matrix is decomposed in a tenth of a second
+FEW_ROWS = (
+    700  # that hold something: of more, to tell hundreds of weak directions near flat takes half a second
+)
 NOTHING = (
     1e-12  # entries that are round-off of zero, beside those of one, on a sheet of hundreds of facets across
 )
@@ -53,6 +57,8 @@ class Linear:
         self.count = int(matrix.shape[1])
         self.is_small = self.count <= DENSE
         self.matrix = matrix if isinstance(matrix, np.ndarray) or not self.is_small else matrix.toarray()
+        self._found: dict[float, tuple[Array, Array]] = {}  # by the value up to which they were looked for
+        self._begun: dict[float, tuple[Array, Array]] = {}  # likewise, of a matrix nearby
 
     def columns(self, taken: npt.NDArray[np.bool_]) -> "Linear":
         """Those of a mask (n,)."""
@@ -80,30 +86,69 @@ class Linear:
             vector = turned @ (self.matrix @ (vector / np.linalg.norm(vector)))
         return float(np.sqrt(np.linalg.norm(vector))) or 1.0
 
-    @cached_property
+    @property
     def weak(self) -> tuple[Array, Array]:
         """The smallest singular values (k,), relative to the largest, ascending, and their vectors (k, n) by rows: all
-        of a small matrix; of a large one those below WEAK, and some more."""
+        of a small matrix; of a large one those below WEAK, and some more, less exactly."""
         if self.is_small:
-            _, known, right = self.dense
-            values = np.zeros(self.count)
-            values[self.count - len(known) :] = known[::-1] / self.scale
-            return values, right[::-1]
-        size = BLOCK + max(0, self.count - len(self.used))  # no fewer than these are null vectors
+            return self._all_by_weakness
+        return self._weakest(WEAK)
+
+    @cached_property
+    def _all_by_weakness(self) -> tuple[Array, Array]:
+        _, known, right = self.dense
+        values = np.zeros(self.count)
+        values[self.count - len(known) :] = known[::-1] / self.scale
+        return values, right[::-1]
+
+    def after(self, nearby: "Linear | None") -> "Linear":
+        """This, whose weak directions are looked for from those that were found of a matrix nearby."""
+        if nearby is not None and nearby.count == self.count:
+            self._begun = nearby._found or nearby._begun
+        return self
+
+    def _weakest(self, most: float) -> tuple[Array, Array]:
+        """As `weak` of a large matrix, those up to `most`, and some more."""
+        known = self._found.get(most)
+        if known is None:
+            known = self._found[most] = self._iterated(most)
+        return known
+
+    def _iterated(self, most: float) -> tuple[Array, Array]:
+        """By inverse iteration of a block that grows until its largest value is beyond `most`."""
+        # No fewer are null vectors than there are more columns than rows that hold something, and most often as many as
+        # there are more than half of the rows: of the six equations of a loop in a plane, or about a point, three hold.
+        size = BLOCK + max(0, self.count - min(len(self.used), self.matrix.shape[0] // 2))
         block, random = np.zeros((self.count, 0)), np.random.default_rng(20260105)
+        rounds = ROUNDS
+        if most in self._begun:
+            block, rounds = self._begun[most][1].T, FEW_ROUNDS
+            size = block.shape[1]
         while True:
             size = min(size, self.count)
             block = np.hstack([block, random.normal(size=(self.count, size - block.shape[1]))])
-            for _ in range(ROUNDS):
-                pushed = self._factors.solve(np.vstack([block, np.zeros((len(self.used), size))]))
-                block = np.linalg.qr(pushed[: self.count])[0]
+            for left in range(rounds, 0, -1):
+                block = np.linalg.qr(self._pushed(block, exact=left == 1))[0]
             held = self.matrix @ block
-            _, found, mixed = decomposed(held, full=held.shape[0] < size)
+            triangle = np.asarray(
+                np.linalg.qr(held, mode="r")
+            )  # of the same singular values, no higher than wide
+            _, found, mixed = decomposed(triangle, full=triangle.shape[0] < size)
             values = np.concatenate([np.zeros(size - len(found)), found[::-1] / self.scale])
             block = block @ mixed[::-1].T
-            if values[-1] > WEAK or size == self.count:
+            if values[-1] > BEYOND * most or size == self.count:
                 return values, block.T
-            size *= 4
+            size, rounds = 2 * size, ROUNDS
+
+    def _pushed(self, block: Array, *, exact: bool) -> Array:
+        """A step of inverse iteration. Elimination without pivoting leaves 1e-10 of strong directions in weak ones;
+        exact: not so, by once more what is left of the equations."""
+        given = np.vstack([block, np.zeros((len(self.used), block.shape[1]))])
+        system, factors = self._system, self._factors
+        found: Array = factors.solve(given)
+        if exact:
+            found = found + factors.solve(given - system @ found)
+        return found[: self.count]
 
     @cached_property
     def used(self) -> Any:
@@ -116,18 +161,26 @@ class Linear:
     def _factors(self) -> Any:
         return self._factored(DAMPING)
 
-    def _factored(self, damping: float) -> Any:
-        from scipy import sparse
-        from scipy.sparse.linalg import splu
+    @cached_property
+    def _system(self) -> Any:
+        return self._damped_system(DAMPING)
 
-        hold_scipy_too()
+    def _damped_system(self, damping: float) -> Any:
+        from scipy import sparse
+
         e = damping * self.scale
         rows = self.matrix[self.used].tocsr()
         rows.data[np.abs(rows.data) < NOTHING] = 0.0
         rows.eliminate_zeros()
         left, right = sparse.eye_array(self.count), sparse.eye_array(len(self.used))
-        system = sparse.block_array([[e * left, rows.T], [rows, -e * right]], format="csc")
-        # The system is quasi-definite: any order of elimination does, without pivoting (R. Vanderbei, 1995).
+        return sparse.block_array([[e * left, rows.T], [rows, -e * right]], format="csc")
+
+    def _factored(self, damping: float) -> Any:
+        from scipy.sparse.linalg import splu
+
+        hold_scipy_too()
+        system = self._system if damping == DAMPING else self._damped_system(damping)
+        # It is quasi-definite: any order of elimination does, without pivoting (R. Vanderbei, 1995).
         options = {"SymmetricMode": True}
         return splu(system, permc_spec="MMD_AT_PLUS_A", options=options, diag_pivot_thresh=0.0)
 
@@ -141,16 +194,12 @@ class Linear:
 
     def amid(self, nullity: int) -> float:
         """A cutoff between the first `nullity` singular values and the next: their geometric mean."""
-        values = np.concatenate([[EXACT], np.maximum(self._weakest, EXACT), [1.0]])
+        most, values = WEAK, self.weak[0]
+        while len(values) <= nullity < self.count:
+            most *= 10.0
+            values = self._weakest(most)[0]
+        values = np.concatenate([[EXACT], np.maximum(values, EXACT), [1.0]])
         return float(np.sqrt(values[nullity] * values[nullity + 1])) if nullity < len(values) - 1 else 1.0
-
-    @property
-    def _weakest(self) -> Array:
-        """As `weak`, the values only, where digits below 1e-8 do not matter."""
-        if self.is_small or self._squared is None:
-            return self.weak[0]
-        zeros = np.zeros(max(0, self.count - len(self.used)))
-        return np.concatenate([zeros, self._squared[0]])
 
     def free(self, cutoff: float = EXACT) -> Array:
         """(d, n): rates that the matrix leaves free, orthonormal rows."""
@@ -176,18 +225,23 @@ class Linear:
             left, values, right = self.dense
             kept = np.count_nonzero(values > cutoff * self.scale)
             return np.asarray((goal @ left[:, :kept] / values[:kept]) @ right[:kept])
-        if cutoff > DAMPING and self._squared is not None:
-            return self._least_of_strong(goal, cutoff)
+        if cutoff <= DAMPING:
+            return self._damped_twice(goal)
+        values, vectors = self._weakest(max(WEAK, cutoff))
+        weak = vectors[: int(np.count_nonzero(values <= cutoff))]
+        # What weak directions hold goes first: divided by next to nothing, it would cost all others their digits.
+        held = np.linalg.qr(self.matrix @ weak[values[: len(weak)] > EXACT].T)[0]
+        found = self._damped_twice(goal - held @ (held.T @ goal))
+        return np.asarray(found - weak.T @ (weak @ found))
+
+    def _damped_twice(self, goal: Array) -> Array:
+        """The least change but for parts (e / sigma)^4 of it."""
         found = self._damped(goal, self._factors)
-        found = found + self._damped(goal - self.matrix @ found, self._factors)
-        if cutoff > DAMPING:
-            weak = self.free(cutoff)
-            found = found - weak.T @ (weak @ found)
-        return np.asarray(found)
+        return found + self._damped(goal - self.matrix @ found, self._factors)
 
     @cached_property
     def is_very_large(self) -> bool:
-        """Whether to tell which directions are weak takes a second."""
+        """Whether to tell which directions are weak may take a second."""
         return not self.is_small and min(len(self.used), self.count) > FEW_ROWS
 
     def damped_change(self, goal: Array, cutoff: float) -> Array:
@@ -195,33 +249,6 @@ class Linear:
         it along strong directions and little along weak ones."""
         return self._damped(goal, self._factored(cutoff))
 
-    @cached_property
-    def _squared(self) -> tuple[Array, Array] | None:
-        """Eigenvalues, as singular values (k,) relative to the largest, ascending, and eigenvectors (k, k) by columns
-        of J^T J, or of J J^T where the rows that hold something are fewer; None of a very large matrix. Values below
-        1e-8 are round-off."""
-        if self.is_very_large:
-            return None
-        rows = self.matrix[self.used]
-        square = rows.T @ rows if len(self.used) > self.count else rows @ rows.T
-        values, vectors = np.linalg.eigh(square.toarray())
-        return np.sqrt(np.maximum(values, 0.0)) / self.scale, vectors
-
-    def _least_of_strong(self, goal: Array, cutoff: float) -> Array:
-        """`least_change` by the squared matrix, twice: the second time mends the digits."""
-        assert self._squared is not None
-        rows, (values, vectors) = self.matrix[self.used], self._squared
-        kept = vectors[:, values > cutoff]
-        weights = (self.scale * values[values > cutoff]) ** -2
-        found, left = np.zeros(self.count), goal[self.used]
-        for _ in range(2):
-            by_rows = len(self.used) <= self.count
-            parts = kept @ (weights * (kept.T @ (left if by_rows else rows.T @ left)))
-            found = found + (rows.T @ parts if by_rows else parts)
-            left = goal[self.used] - rows @ found
-        return np.asarray(found)
-
     def _damped(self, goal: Array, factors: Any) -> Array:
-        return np.asarray(
-            factors.solve(np.concatenate([np.zeros(self.count), goal[self.used]]))[: self.count]
-        )
+        known = np.concatenate([np.zeros(self.count), goal[self.used]])
+        return np.asarray(factors.solve(known)[: self.count])

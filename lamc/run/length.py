@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from lamc.basics.progress import Part
 from lamc.loops.misfit import length
 from lamc.loops.texts import MAY_BEND, ROUND_OFF
 from lamc.records.mechanism import Array
@@ -29,6 +30,11 @@ _ROWS = 2000  # steps of loops, at least: their work, as it is counted, ends a r
 # comes tens of times as far. It is taken where it comes to the end, or farther by this factor.
 LOOSE, FARTHER = 1e-6, 2.0
 LOOSE_ATOL = LOOSE * ATOL / RTOL
+TRIAL = 0.25  # of the work: what is seen of both tolerances before one of them has all of it
+_FIRST, _BOTH = (
+    TRIAL / (1.0 + 2.0 * TRIAL),
+    2.0 * TRIAL / (1.0 + 2.0 * TRIAL),
+)  # of all, when these have been seen
 _PATIENCE = 5  # times the counted steps: of small loops, which are not stuck after as many, 20 s of work
 
 
@@ -55,26 +61,47 @@ class Length:
         """A run of this length with so many rows, evenly spread over what there is of it; 0: one after each step. One
         that ends before its end is run once more, step by step the same, for rows that show it. Of loops, one that
         work of lamc's choice ends is tried at a looser tolerance as well, if nobody gives one, and is that of both
-        which got farther by far; Ctrl-C then leaves the one that got farther. arguments: as for `Simulator.run`."""
+        which gets farther by far; Ctrl-C then leaves the one that got farther. arguments: as for `Simulator.run`."""
         is_native = not str(arguments.get("integrator", "")).startswith("scipy:")
         has_work = self.is_own and bool(simulator.cut_joints) and is_native
         steps = max(self.steps, _ROWS) if has_work else self.steps
         arguments |= {"max_steps": steps, "until_folded": self.until_folded, "max_work": self.work}
-        result, is_looser = simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **arguments), False
-        if result.status == Status.STEP_LIMIT and has_work and not _says_how_exact(arguments):
-            looser = arguments | {"rtol": LOOSE, "atol": LOOSE_ATOL, "progress": None}
-            farther = _interruptible(
-                result, lambda: simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **looser)
-            )
-            if farther.status == Status.CANCELLED:
-                return Ran(farther, "")
-            is_far = farther.status == Status.STEP_LIMIT and farther.t[-1] > FARTHER * result.t[-1]
-            if farther.success or is_far:
-                result, arguments, is_looser = farther, looser, True
+
+        def run(**changes: Any) -> Result:
+            return simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **arguments | changes)
+
+        tries_both = has_work and self.work is not None and not _says_how_exact(arguments)
+        result, changes = self._at_best(run, arguments.get("progress")) if tries_both else (run(), {})
+        if result.status == Status.CANCELLED:
+            return Ran(result, "")
+        arguments |= changes
         if rows and (result.status == Status.FOLDED or (result.status == Status.STEP_LIMIT and self.is_own)):
             again = arguments | {"progress": None}
             result = simulator.run(self.t_end, t_eval=_even(float(result.t[-1]), rows), **again)
-        return Ran(result, self._remark(simulator, result, is_looser=is_looser))
+        return Ran(result, self._remark(simulator, result, is_looser=bool(changes)))
+
+    def _at_best(self, run: Callable[..., Result], progress: Part | None) -> tuple[Result, dict[str, float]]:
+        """The run of this work at the usual tolerance or, where that does not come to its end and gets not nearly as
+        far, at a looser one; and what was changed for it. A part of the work tells which."""
+        assert self.work is not None
+        trial, looser = TRIAL * self.work, {"rtol": LOOSE, "atol": LOOSE_ATOL}
+        exact = run(max_work=trial, progress=_share(progress, 0.0, _FIRST))
+        if exact.status != Status.STEP_LIMIT:
+            return exact, {}
+        farther = _interruptible(
+            exact, lambda: run(max_work=trial, progress=_share(progress, _FIRST, _BOTH), **looser)
+        )
+        if farther.status == Status.CANCELLED:
+            return farther, {}
+        rest = _share(progress, _BOTH, 1.0)
+        is_far = farther.status == Status.STEP_LIMIT and farther.t[-1] > FARTHER * exact.t[-1]
+        if farther.success or is_far:
+            if is_far:
+                farther = _interruptible(farther, lambda: run(progress=rest, **looser))
+            if farther.success or farther.status in (Status.STEP_LIMIT, Status.CANCELLED):
+                return farther, looser
+            rest = None  # what is looser came apart
+        return _interruptible(exact, lambda: run(progress=rest)), {}
 
     def _remark(self, simulator: Simulator, result: Result, *, is_looser: bool) -> str:
         """Why a run of lamc's choice ended before 10 s, and the way out, and at what tolerance it ran, where that is
@@ -121,6 +148,13 @@ def _interruptible(before: Result, run: Callable[[], Result]) -> Result:
             return after
     text = f"cancelled at t = {before.t[-1]:.9g} s; what was computed is kept"
     return replace(before, status=Status.CANCELLED, message=text)
+
+
+def _share(progress: Part | None, begin: float, end: float) -> Part | None:
+    """Progress of a run that is the part from `begin` to `end`, of 1, of what is told."""
+    if progress is None:
+        return None
+    return lambda done, total: progress(begin + (end - begin) * (done / total if total > 0.0 else 1.0), 1.0)
 
 
 def _even(end: float, rows: int) -> Array | None:

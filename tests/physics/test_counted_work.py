@@ -7,7 +7,7 @@ import pytest
 
 import lamc
 from lamc.basics.errors import RequestError
-from lamc.run.length import Length, length_of
+from lamc.run.length import TRIAL, Length, length_of
 from lamc.run.request import Status
 from tests.support import fold_corpus
 from tests.support.ctools import needs_cc
@@ -93,7 +93,7 @@ def test_where_work_ends_a_run_a_looser_tolerance_is_tried_and_told(
 ) -> None:
     """If nobody gives one, and it gets farther by far: a sheet that is seen to fold, to six digits, in place of one
     that has hardly moved, to nine."""
-    monkeypatch.setattr("lamc.run.length.MOST_WORK", 3e6)
+    monkeypatch.setattr("lamc.run.length.MOST_WORK", 12e6)
     length = length_of(None, None, large)
     exact, ran = length.run(large, 0, rtol=1e-9).result, length.run(large, 0)
     taken = ran.result
@@ -113,7 +113,7 @@ def test_of_a_looser_run_that_comes_to_its_end_the_tolerance_is_told(large: lamc
     assert exact.status == Status.STEP_LIMIT
     end = 1.5 * float(exact.t[-1])
     for folds in (False, True):
-        ran = Length(end, 4000, is_own=True, until_folded=folds, work=1e8).run(large, 0)
+        ran = Length(end, 4000, is_own=True, until_folded=folds, work=1e8 / TRIAL).run(large, 0)
         assert ran.result.success
         assert ran.result.stats.rtol == 1e-6
         assert "at rtol 1e-06 it gets farther" in ran.remark
@@ -129,8 +129,14 @@ def test_rows_show_what_work_ended(large: lamc.Simulator) -> None:
     assert even.t[-1] == each.t[-1]
 
 
-def test_ctrl_c_while_the_looser_run_is_made_keeps_the_exact_one(large: lamc.Simulator) -> None:
-    exact = Length(10.0, 4000, is_own=True, work=3e6).run(large, 0, rtol=1e-9).result
+@pytest.mark.parametrize(("interrupted", "rtol"), [(2, 1e-9), (3, 1e-6)])
+def test_ctrl_c_while_another_run_is_made_keeps_what_there_is(
+    large: lamc.Simulator, interrupted: int, rtol: float
+) -> None:
+    """Of the exact one, after a part of the work, or of the looser one, which got farther by as much."""
+    kept = (
+        Length(10.0, 4000, is_own=True, work=TRIAL * 12e6).run(large, 0, rtol=rtol, atol=1e-2 * rtol).result
+    )
 
     class Impatient:
         def __init__(self) -> None:
@@ -141,14 +147,14 @@ def test_ctrl_c_while_the_looser_run_is_made_keeps_the_exact_one(large: lamc.Sim
 
         def run(self, *given: Any, **named: Any) -> Any:
             self.calls += 1
-            if self.calls == 2:
+            if self.calls == interrupted:
                 raise KeyboardInterrupt
             return large.run(*given, **named)
 
     impatient: lamc.Simulator = Impatient()  # type: ignore[assignment]
-    ran = Length(10.0, 4000, is_own=True, work=3e6).run(impatient, 0)
+    ran = Length(10.0, 4000, is_own=True, work=12e6).run(impatient, 0)
     assert ran.result.status == Status.CANCELLED
-    assert ran.result.t[-1] == exact.t[-1]
+    assert ran.result.t[-1] == kept.t[-1]
     assert "cancelled" in ran.result.message
 
 

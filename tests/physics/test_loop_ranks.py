@@ -11,7 +11,7 @@ import lamc
 from lamc.effects import Gravity
 from lamc.loops.at_start import drawn_loops, loops_of
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.linear import DENSE
+from lamc.loops.linear import DENSE, WEAK
 from lamc.loops.rank import count_loops
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Array, Mechanism
@@ -109,8 +109,11 @@ def test_sparse_and_dense_algebra_agree() -> None:
     geometry = LoopGeometry(plan(sheet(folded_miura(16, theta=1e-2))))
     linear = geometry.linear(np.zeros(len(geometry.names)))
     values = np.linalg.svd(linear.matrix.toarray(), compute_uv=False)[::-1]
-    found = linear.weak[0][:10] * linear.scale
-    assert found == pytest.approx(values[:10], rel=1e-6, abs=1e-12)  # damping of 1e-5, squared, over 3e-4
+    known = int(np.count_nonzero(values < WEAK * linear.scale))  # what is beyond is known less exactly
+    assert known > 4
+    found = linear.weak[0][:known] * linear.scale
+    # An iterated value is too large by its share of what is beyond the block, which three rounds leave.
+    assert found == pytest.approx(values[:known], rel=1e-5, abs=1e-12)
     goal = linear.matrix @ np.random.default_rng(1).normal(size=linear.count)
     least = np.linalg.lstsq(linear.matrix.toarray(), goal, rcond=1e-9)[0]
     # Twice damped: (1e-5 / 3e-4)^4 of what is weakest.

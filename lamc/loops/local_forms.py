@@ -21,6 +21,7 @@ from lamc.records.mechanism import Array
 
 NOTHING = 1e-9  # of a form, beside those of one: round-off of the drawing's corners
 ROUNDS = 60  # of Newton's method, which needs ten
+FRUITLESS = 20  # rounds in which forms come no nearer to nothing by half: others lead somewhere after a dozen
 ARRIVED = 1e-12  # of a form, of rates of length one
 RIDGE = 1e-14  # of the largest: forms that depend on one another are solved for all the same
 FAINT = 3e-7  # of the slopes: what is less is hardly followed, where forms are more than unknowns
@@ -60,11 +61,16 @@ class LocalForms:
         if not length > 0.0:
             return None
         x = x / length
+        least, fruitless = np.inf, 0
         for _ in range(rounds):
             u = basis @ x
             missed = self.values(u)
-            if np.abs(missed).max() <= ARRIVED:
+            far = float(np.abs(missed).max())
+            if far <= ARRIVED:
                 return np.asarray(u)
+            least, fruitless = (far, 0) if far < 0.5 * least else (least, fruitless + 1)
+            if fruitless == FRUITLESS:
+                return None
             x = x - _least_step(self.slopes(u) @ basis, missed, x)
             x = x / np.linalg.norm(x)
         return None

@@ -17,8 +17,10 @@ FAMILIES = 12  # zeros that are no isolated ones which are looked at
 MOST = 32  # branches: a flat sheet of n lines has 2^n
 WAY = 16  # steps from one of them to another, some 0.3 each
 STILL = 1e-14  # of a point of length one: a step of round-off
-# Starts of forms by vertices that lead nowhere: after so many, there are degenerate zeros only, or none.
-IN_VAIN = 8
+# Starts of forms by vertices that lead nowhere: after so many, there are degenerate zeros only, or none. Of a woven sheet
+# with 156 free rates some three in a hundred arrive, and which of them, round-off decides.
+IN_VAIN = 100
+LONG = 60  # rounds of Newton's method from such starts
 FEW_STARTS, FEW_BRANCHES = 32, 8  # of more than FEW_FREE rates: so many starts in all, and so many branches
 # Joints: of more, so many starts and branches; what loads ask for comes besides.
 MANY, FEWEST_STARTS, FEWEST_BRANCHES = 600, 8, 3
@@ -47,10 +49,14 @@ def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Arra
     is_small = size <= FEW_FREE
     few = (FEW_STARTS, FEW_BRANCHES) if len(tangents.basis) <= MANY else (FEWEST_STARTS, FEWEST_BRANCHES)
     count, most = (STARTS * size, MOST) if is_small else few
-    starts = np.concatenate([preferred[: count // 2], random.normal(size=(count, size))])
+    if tangents.local is None:
+        others = random.normal(size=(count, size))
+    else:  # whichever basis there is of the same rates
+        others = random.normal(size=(max(count, IN_VAIN), len(tangents.basis))) @ tangents.basis
+    starts = np.concatenate([preferred[: count // 2], others])
     solutions: list[tuple[Array, int]] = []
     families = 0
-    for point in _distinct(list(arrivals(tangents, starts, fit)), fit.same):
+    for point in _distinct(list(arrivals(tangents, starts, fit, LONG, count)), fit.same):
         point, freedoms = usual(tangents, point, random, fit)
         if freedoms > 1:
             families += 1
@@ -80,13 +86,16 @@ def usual(tangents: Tangents, point: Array, random: np.random.Generator, fit: Fi
     return point, here
 
 
-def arrivals(tangents: Tangents, points: Array, fit: Fit, rounds: int = ROUNDS) -> Array:
-    """The points (s, d) on the sphere that the starts lead to by Gauss-Newton, those that arrive."""
+def arrivals(
+    tangents: Tangents, points: Array, fit: Fit, rounds: int = ROUNDS, enough: int | None = None
+) -> Array:
+    """The points (s, d) on the sphere that the starts lead to by Gauss-Newton, those that arrive. enough: of forms by
+    vertices, so many starts if one of them does; None: all."""
     if tangents.local is not None:
         basis, local = tangents.basis, tangents.local
         found: list[Array] = []
         for number, point in enumerate(points):
-            if number == IN_VAIN and not found:
+            if number >= (IN_VAIN if not found else enough or len(points)):
                 break
             rates = local.nearest(basis, basis @ point, rounds)
             if rates is not None:

@@ -17,7 +17,7 @@ FAMILIES = 12  # zeros that are no isolated ones which are looked at
 MOST = 32  # branches: a flat sheet of n lines has 2^n
 WAY = 16  # steps from one of them to another, some 0.3 each
 STILL = 1e-14  # of a point of length one: a step of round-off
-# Starts of forms by vertices that lead nowhere: after so many, there are degenerate zeros only, or none. Of a woven sheet
+# Starts of forms by vertices that lead nowhere: after so many, there are degenerate zeros only, or none. Of a sheet
 # with 156 free rates some three in a hundred arrive, and which of them, round-off decides.
 IN_VAIN = 100
 LONG = 60  # rounds of Newton's method from such starts

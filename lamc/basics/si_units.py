@@ -33,6 +33,8 @@ _PLAIN = (
     "K",
     "m/s",
     "m/s²",
+    "kg/m³",
+    "N/rad",
     "rad/s",
     "rad/s²",
 )
@@ -56,7 +58,7 @@ _COMMON: Mapping[str, SIUnit] = {
 
 def si_unit(text: str) -> SIUnit:
     """The SI unit of `text`. Raises DesignError for what is no unit, or one that cannot be scaled, such as degC."""
-    given = text.strip().replace("*", "·").replace("^2", "²")
+    given = text.strip().replace("*", "·").replace("^2", "²").replace("^3", "³")
     if given in ("", *_PLAIN):
         return SIUnit(given or "1", 1.0)
     return _COMMON.get(text.strip()) or _parsed(_spelled(text))

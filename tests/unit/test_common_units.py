@@ -2,11 +2,14 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from lamc.basics import si_units, units
 from lamc.basics.common_units import COMMON
+from tests.support.ctools import needs_cc
+from tests.support.fold_corpus import miura, write
 
 QUANTITIES = {
     value.unit: value for _, value in sorted(vars(units).items()) if isinstance(value, units.Quantity)
@@ -33,3 +36,23 @@ def test_examples_are_read_without_pint() -> None:
 def test_units_of_any_quantity_are_pints_to_the_last_bit() -> None:
     for unit, known in si_units._COMMON.items():
         assert si_units._parsed(si_units._spelled(unit)) == known, unit
+
+
+def test_units_that_are_plain_are_so_by_pint() -> None:
+    for unit in si_units._PLAIN:
+        if unit != "1":
+            assert si_units._parsed(si_units._spelled(unit)) == si_units.SIUnit(unit, 1.0)
+
+
+@needs_cc
+def test_a_sheet_without_units_of_its_own_runs_without_pint(tmp_path: Path) -> None:
+    """Half a second of a start: its parameters have units, thickness, density and creases."""
+    path = write(tmp_path / "sheet.fold", miura(1, 2))
+    code = (
+        "import sys; from lamc.cli import main\n"
+        f"main(['run', {str(path)!r}, '--no-pictures', '--t-end', '0.001', '--out', {str(tmp_path / 'o')!r}],"
+        " standalone_mode=False)\n"
+        "print('pint' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "False", done.stdout

@@ -55,7 +55,7 @@ def settle(
     # Of very large loops that fit badly, steps are damped, and weak directions creep.
     damped = cutoff > DAMPING and nullity is None and linear.is_very_large
     fits_badly = (cutoff > DAMPING or nullity is not None) and not linear.is_small
-    least, fruitless = error, 0
+    least, shortest, fruitless = error, np.inf, 0
     for _ in range((FEW_ITERATIONS if damped else MAX_ITERATIONS) if len(columns) else 0):
         if error <= 1e-2 * CLOSED or (fits_badly and fruitless >= FRUITLESS):
             break
@@ -72,7 +72,9 @@ def settle(
         before, error = error, float(np.abs(residual).max(initial=0.0))
         if error > 0.5 * before and (error <= enough or longest < still):
             break
-        least, fruitless = (error, 0) if error < 0.5 * least else (least, fruitless + 1)
+        fruitless = 0 if error < 0.5 * least or longest < 0.5 * shortest else fruitless + 1
+        if not fruitless:
+            least, shortest = min(least, error), min(shortest, longest)
     return angles, error
 
 

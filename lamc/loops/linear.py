@@ -31,7 +31,8 @@ DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, a
 BLOCK = 8  # vectors of inverse iteration, to begin with
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
 FEW_ROUNDS = 2  # from the vectors of a matrix nearby
-BEYOND = 2.0  # times the largest that is looked for there are some, of which a round makes a quarter of it
+BEYOND = 2.0  # times the largest that is looked for: blocks reach so far; a round leaves a quarter of what is beyond
+CLOSE = 3.0  # times its neighbour: beyond what is looked for, such a value is not known well enough to be told from it
 WEAK = 3e-3  # of the largest singular value: in large matrices, smaller ones are looked for
 EXACT = 1e-11  # likewise: below it a closure matrix has round-off only
 FEW_ROWS = (
@@ -50,6 +51,13 @@ def least_changes(matrices: Array, goals: Array, cutoff: float) -> Array:
     return np.asarray((parts[:, None] @ right)[:, 0])
 
 
+def _tells(values: Array, nullity: int, most: float) -> bool:
+    """Whether what is known of singular values (k,), exactly up to `most`, tells the first `nullity` from the next."""
+    if len(values) <= nullity:
+        return False
+    return bool(values[nullity] <= most or nullity == 0 or values[nullity] > CLOSE * values[nullity - 1])
+
+
 class Linear:
     """A matrix J (m, n)."""
 
@@ -58,6 +66,7 @@ class Linear:
         self.is_small = self.count <= DENSE
         self.matrix = matrix if isinstance(matrix, np.ndarray) or not self.is_small else matrix.toarray()
         self._found: dict[float, tuple[Array, Array]] = {}  # by the value up to which they were looked for
+        self._alone: dict[float, tuple[Array, Array]] = {}  # by cutoff
         self._begun: dict[float, tuple[Array, Array]] = {}  # likewise, of a matrix nearby
 
     def columns(self, taken: npt.NDArray[np.bool_]) -> "Linear":
@@ -122,8 +131,9 @@ class Linear:
         block, random = np.zeros((self.count, 0)), np.random.default_rng(20260105)
         rounds = ROUNDS
         if most in self._begun:
-            block, rounds = self._begun[most][1].T, FEW_ROUNDS
-            size = block.shape[1]
+            near, vectors = self._begun[most]
+            block, rounds = vectors[: 1 + int(np.count_nonzero(near <= BEYOND * most))].T, FEW_ROUNDS
+            size = block.shape[1] + BLOCK  # and some that hold what has become weak since
         while True:
             size = min(size, self.count)
             block = np.hstack([block, random.normal(size=(self.count, size - block.shape[1]))])
@@ -195,7 +205,7 @@ class Linear:
     def amid(self, nullity: int) -> float:
         """A cutoff between the first `nullity` singular values and the next: their geometric mean."""
         most, values = WEAK, self.weak[0]
-        while len(values) <= nullity < self.count:
+        while len(values) < self.count and nullity < self.count and not _tells(values, nullity, most):
             most *= 10.0
             values = self._weakest(most)[0]
         values = np.concatenate([[EXACT], np.maximum(values, EXACT), [1.0]])
@@ -227,12 +237,20 @@ class Linear:
             return np.asarray((goal @ left[:, :kept] / values[:kept]) @ right[:kept])
         if cutoff <= DAMPING:
             return self._damped_twice(goal)
-        values, vectors = self._weakest(max(WEAK, cutoff))
-        weak = vectors[: int(np.count_nonzero(values <= cutoff))]
+        weak, held = self._left_alone(cutoff)
         # What weak directions hold goes first: divided by next to nothing, it would cost all others their digits.
-        held = np.linalg.qr(self.matrix @ weak[values[: len(weak)] > EXACT].T)[0]
         found = self._damped_twice(goal - held @ (held.T @ goal))
         return np.asarray(found - weak.T @ (weak @ found))
+
+    def _left_alone(self, cutoff: float) -> tuple[Array, Array]:
+        """Weak directions (k, n) by rows, and what they hold (m, l), orthonormal columns."""
+        known = self._alone.get(cutoff)
+        if known is None:
+            values, vectors = self._weakest(max(WEAK, cutoff))
+            weak = vectors[: int(np.count_nonzero(values <= cutoff))]
+            held = np.linalg.qr(self.matrix @ weak[values[: len(weak)] > EXACT].T)[0]
+            known = self._alone[cutoff] = weak, held
+        return known
 
     def _damped_twice(self, goal: Array) -> Array:
         """The least change but for parts (e / sigma)^4 of it."""

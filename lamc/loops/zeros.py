@@ -19,7 +19,11 @@ WAY = 16  # steps from one of them to another, some 0.3 each
 STILL = 1e-14  # of a point of length one: a step of round-off
 # Starts of forms by vertices that lead nowhere: after so many, there are degenerate zeros only, or none. Of a sheet
 # with 156 free rates some three in a hundred arrive, and which of them, round-off decides.
-IN_VAIN = 100
+IN_VAIN, FEWEST_IN_VAIN, USUAL_FREE = (
+    100,
+    8,
+    160,
+)  # of more than USUAL_FREE rates fewer: a start costs their cube
 LONG = 60  # rounds of Newton's method from such starts
 FEW_STARTS, FEW_BRANCHES = 32, 8  # of more than FEW_FREE rates: so many starts in all, and so many branches
 # Joints: of more, so many starts and branches; what loads ask for comes besides.
@@ -49,14 +53,12 @@ def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Arra
     is_small = size <= FEW_FREE
     few = (FEW_STARTS, FEW_BRANCHES) if len(tangents.basis) <= MANY else (FEWEST_STARTS, FEWEST_BRANCHES)
     count, most = (STARTS * size, MOST) if is_small else few
-    if tangents.local is None:
-        others = random.normal(size=(count, size))
-    else:  # whichever basis there is of the same rates
-        others = random.normal(size=(max(count, IN_VAIN), len(tangents.basis))) @ tangents.basis
-    starts = np.concatenate([preferred[: count // 2], others])
+    by_vertices = tangents.local is not None
+    tried, rounds = (max(count, _in_vain(size)), LONG) if by_vertices else (count, ROUNDS)
+    starts = np.concatenate([preferred[: count // 2], _drawn(tangents, random, tried)])
     solutions: list[tuple[Array, int]] = []
     families = 0
-    for point in _distinct(list(arrivals(tangents, starts, fit, LONG, count)), fit.same):
+    for point in _distinct(list(arrivals(tangents, starts, fit, rounds, count)), fit.same):
         point, freedoms = usual(tangents, point, random, fit)
         if freedoms > 1:
             families += 1
@@ -73,12 +75,24 @@ def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Arra
     return solutions
 
 
+def _drawn(tangents: Tangents, random: np.random.Generator, count: int) -> Array:
+    """Random points (count, d); of forms by vertices the same rates, whichever basis there is of them."""
+    if tangents.local is None:
+        return random.normal(size=(count, tangents.basis.shape[1]))
+    return np.asarray(random.normal(size=(count, len(tangents.basis))) @ tangents.basis)
+
+
+def _in_vain(size: int) -> int:
+    """Starts that lead nowhere, of so many free rates, before the search ends."""
+    return max(FEWEST_IN_VAIN, int(IN_VAIN * min(1.0, (USUAL_FREE / size) ** 3)))
+
+
 def usual(tangents: Tangents, point: Array, random: np.random.Generator, fit: Fit) -> tuple[Array, int]:
     """A zero, or one near it where it is a corner of its family: there slopes vanish that do not beside it. And the
     dimension of the cone that it lies on."""
     here = tangents.freedoms(point, fit.family)
     if here > 1:
-        beside = arrivals(tangents, point + BESIDE * random.normal(size=(1, len(point))), fit)
+        beside = arrivals(tangents, point + BESIDE * _drawn(tangents, random, 1), fit)
         if len(beside):
             there = tangents.freedoms(beside[0], fit.family)
             if there < here:
@@ -95,7 +109,7 @@ def arrivals(
         basis, local = tangents.basis, tangents.local
         found: list[Array] = []
         for number, point in enumerate(points):
-            if number >= (IN_VAIN if not found else enough or len(points)):
+            if number >= ((enough or len(points)) if found else _in_vain(basis.shape[1])):
                 break
             rates = local.nearest(basis, basis @ point, rounds)
             if rates is not None:

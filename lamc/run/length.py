@@ -14,7 +14,16 @@ from lamc.basics.progress import Part
 from lamc.loops.misfit import length
 from lamc.loops.texts import MAY_BEND, ROUND_OFF
 from lamc.records.mechanism import Array
-from lamc.run.defaults import ATOL, DURATION, MAX_STEPS, MOST_WORK, RTOL, default_rows, default_steps
+from lamc.run.defaults import (
+    ATOL,
+    DURATION,
+    MAX_STEPS,
+    MOST_WORK,
+    PATIENT_WORK,
+    RTOL,
+    default_rows,
+    default_steps,
+)
 from lamc.run.request import Status
 from lamc.run.result import Result
 from lamc.run.simulator import Simulator
@@ -94,10 +103,11 @@ class Length:
         if farther.status == Status.CANCELLED:
             return farther, {}
         rest = _share(progress, _BOTH, 1.0)
-        is_far = farther.status == Status.STEP_LIMIT and farther.t[-1] > FARTHER * exact.t[-1]
-        if farther.success or is_far:
-            if is_far:
-                farther = _interruptible(farther, lambda: run(progress=rest, **looser))
+        if farther.success:  # as exact as ever, if all of the work is enough for that
+            whole = _interruptible(farther, lambda: run(progress=rest))
+            return (whole, {}) if whole.success or whole.status == Status.CANCELLED else (farther, looser)
+        if farther.status == Status.STEP_LIMIT and farther.t[-1] > FARTHER * exact.t[-1]:
+            farther = _interruptible(farther, lambda: run(progress=rest, **looser))
             if farther.success or farther.status in (Status.STEP_LIMIT, Status.CANCELLED):
                 return farther, looser
             rest = None  # what is looser came apart
@@ -152,8 +162,8 @@ def _interruptible(before: Result, run: Callable[[], Result]) -> Result:
 
 def _share(progress: Part | None, begin: float, end: float) -> Part | None:
     """Progress of a run that is the part from `begin` to `end`, of 1, of what is told."""
-    if progress is None:
-        return None
+    if not callable(progress):  # none, or whether `Simulator.run` shows a bar
+        return progress
     return lambda done, total: progress(begin + (end - begin) * (done / total if total > 0.0 else 1.0), 1.0)
 
 
@@ -186,7 +196,7 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
     folds = {effect.name for effect in simulator.effects} <= _AT_REST
     if steps >= _MANY:
         most = min(MAX_STEPS, _PATIENCE * steps)
-        return Length(end, most, until_folded=folds, work=_PATIENCE * MOST_WORK)
+        return Length(end, most, until_folded=folds, work=PATIENT_WORK)
     return Length(end, steps, is_own=True, until_folded=folds, work=MOST_WORK)
 
 

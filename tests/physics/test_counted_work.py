@@ -113,12 +113,22 @@ def test_of_a_looser_run_that_comes_to_its_end_the_tolerance_is_told(large: lamc
     assert exact.status == Status.STEP_LIMIT
     end = 1.5 * float(exact.t[-1])
     for folds in (False, True):
-        ran = Length(end, 4000, is_own=True, until_folded=folds, work=1e8 / TRIAL).run(large, 0)
+        ran = Length(end, 4000, is_own=True, until_folded=folds, work=1e8).run(large, 0)
         assert ran.result.success
         assert ran.result.stats.rtol == 1e-6
         assert "at rtol 1e-06 it gets farther" in ran.remark
     asked = Length(end, 4000, is_own=True, work=1e8).run(large, 0, rtol=1e-6)
     assert "at rtol" not in asked.remark
+
+
+def test_what_comes_to_its_end_by_all_of_the_work_is_exact(large: lamc.Simulator) -> None:
+    """A quarter of the work is not enough for that, and at a looser tolerance it is."""
+    exact = large.run(10.0, max_work=TRIAL * 1e8)
+    assert exact.status == Status.STEP_LIMIT
+    ran = Length(1.05 * float(exact.t[-1]), 4000, is_own=True, work=1e8).run(large, 0)
+    assert ran.result.status == Status.REACHED_END
+    assert ran.result.stats.rtol == 1e-9
+    assert ran.remark == ""
 
 
 def test_rows_show_what_work_ended(large: lamc.Simulator) -> None:

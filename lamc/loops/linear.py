@@ -35,9 +35,8 @@ BEYOND = 2.0  # times the largest that is looked for: blocks reach so far; a rou
 CLOSE = 3.0  # times its neighbour: beyond what is looked for, such a value is not known well enough to be told from it
 WEAK = 3e-3  # of the largest singular value: in large matrices, smaller ones are looked for
 EXACT = 1e-11  # likewise: below it a closure matrix has round-off only
-FEW_ROWS = (
-    700  # that hold something: of more, to tell hundreds of weak directions near flat takes half a second
-)
+# Rows that hold something: of more, to tell hundreds of weak directions near flat takes half a second.
+FEW_ROWS = 700
 NOTHING = (
     1e-12  # entries that are round-off of zero, beside those of one, on a sheet of hundreds of facets across
 )
@@ -65,9 +64,10 @@ class Linear:
         self.count = int(matrix.shape[1])
         self.is_small = self.count <= DENSE
         self.matrix = matrix if isinstance(matrix, np.ndarray) or not self.is_small else matrix.toarray()
-        self._found: dict[float, tuple[Array, Array]] = {}  # by the value up to which they were looked for
-        self._alone: dict[float, tuple[Array, Array]] = {}  # by cutoff
-        self._begun: dict[float, tuple[Array, Array]] = {}  # likewise, of a matrix nearby
+        # Weak directions, by the value up to which they were looked for: of this matrix, and of one nearby
+        self._found: dict[float, tuple[Array, Array]] = {}
+        self._begun: dict[float, tuple[Array, Array]] = {}
+        self._alone: dict[float, tuple[Array, Array]] = {}  # what `_left_alone` gave, by cutoff
 
     def columns(self, taken: npt.NDArray[np.bool_]) -> "Linear":
         """Those of a mask (n,)."""

@@ -19,11 +19,8 @@ WAY = 16  # steps from one of them to another, some 0.3 each
 STILL = 1e-14  # of a point of length one: a step of round-off
 # Starts of forms by vertices that lead nowhere: after so many, there are degenerate zeros only, or none. Of a sheet
 # with 156 free rates some three in a hundred arrive, and which of them, round-off decides.
-IN_VAIN, FEWEST_IN_VAIN, USUAL_FREE = (
-    100,
-    8,
-    160,
-)  # of more than USUAL_FREE rates fewer: a start costs their cube
+# Of more than USUAL_FREE rates they are fewer, as a start costs their cube.
+IN_VAIN, FEWEST_IN_VAIN, USUAL_FREE = 100, 8, 160
 LONG = 60  # rounds of Newton's method from such starts
 FEW_STARTS, FEW_BRANCHES = 32, 8  # of more than FEW_FREE rates: so many starts in all, and so many branches
 # Joints: of more, so many starts and branches; what loads ask for comes besides.

@@ -27,10 +27,9 @@ _OF_LOOPS, _OF_TREES, _SQUARED = 150, 40, 50
 _MISFIT, _FEW, _ALL = 100, 40, 300
 _EVALUATIONS = 12  # of a step
 _MOST_WORK = 2_000_000_000  # of a run: 4 s, so that all of `lamc run` takes some 20 at most
-MOST_WORK = (
-    2e9  # of loops, as `Simulator.run` counts it: some 2 s; `Length` may take half as much again, and rows
-)
-PATIENT_WORK = 15e9  # of small loops, which are not stuck after as much
+# Of loops, as `Simulator.run` counts it, some 2 s: `Length` may take half as much again, and all of it once more for
+# rows. Small loops are not stuck after PATIENT_WORK.
+MOST_WORK, PATIENT_WORK = 2e9, 15e9
 _SHARE_OF_LOOPS = 0.6  # of it, as their equations take longer than those of trees
 
 

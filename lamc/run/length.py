@@ -40,10 +40,8 @@ _ROWS = 2000  # steps of loops, at least: their work, as it is counted, ends a r
 LOOSE, FARTHER = 1e-6, 2.0
 LOOSE_ATOL = LOOSE * ATOL / RTOL
 TRIAL = 0.25  # of the work: what is seen of both tolerances before one of them has all of it
-_FIRST, _BOTH = (
-    TRIAL / (1.0 + 2.0 * TRIAL),
-    2.0 * TRIAL / (1.0 + 2.0 * TRIAL),
-)  # of all, when these have been seen
+_BOTH = 2.0 * TRIAL / (1.0 + 2.0 * TRIAL)  # of all work, when both have been seen
+_FIRST = 0.5 * _BOTH
 _PATIENCE = 5  # times the counted steps: of small loops, which are not stuck after as many, 20 s of work
 
 

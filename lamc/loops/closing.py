@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.linear import DAMPING, DENSE, Linear, least_changes
+from lamc.loops.linear import DAMPING, DENSE, WEAK, Linear, least_changes
 from lamc.records.mechanism import Array
 
 Mask = npt.NDArray[np.bool_]
@@ -16,7 +16,7 @@ Places = npt.NDArray[np.int64]
 
 CLOSED = 1e-12  # rad, and of the size: a few hundred units of round-off
 SOLVE = 1e-9  # relative to the largest singular value: a smaller one is none of a place on the way to closure
-SMALL = 2e-2  # likewise: below it a singular value may be a misfit, some hundredths of a radian or of the size at most
+SMALL = WEAK  # likewise: below it a singular value may be a misfit, some hundredths of a radian or of the size at most
 LONGEST_STEP = 0.5  # rad; lines of rotation are straight no farther
 MAX_ITERATIONS = 60
 FRUITLESS = 8  # steps of many loops that fit badly and do not come closer by half: weak directions come and go by turns

@@ -33,7 +33,8 @@ ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
 FEW_ROUNDS = 2  # from the vectors of a matrix nearby
 BEYOND = 2.0  # times the largest that is looked for: blocks reach so far; a round leaves a quarter of what is beyond
 CLOSE = 3.0  # times its neighbour: beyond what is looked for, such a value is not known well enough to be told from it
-WEAK = 3e-3  # of the largest singular value: in large matrices, smaller ones are looked for
+WEAK = 2e-2  # of the largest singular value: in large matrices, smaller ones are looked for; no misfit's are larger
+FARTHER = 10.0  # times as large are values that are looked for next
 EXACT = 1e-11  # likewise: below it a closure matrix has round-off only
 # Rows that hold something: of more, to tell hundreds of weak directions near flat takes half a second.
 FEW_ROWS = 700
@@ -99,9 +100,16 @@ class Linear:
     def weak(self) -> tuple[Array, Array]:
         """The smallest singular values (k,), relative to the largest, ascending, and their vectors (k, n) by rows: all
         of a small matrix; of a large one those below WEAK, and some more, less exactly."""
+        return self._weak_to(WEAK)
+
+    def _weak_to(self, cutoff: float) -> tuple[Array, Array]:
+        """As `weak`, all up to `cutoff` at least; the same for all of a decade, whichever is asked for first."""
         if self.is_small:
             return self._all_by_weakness
-        return self._weakest(WEAK)
+        most = WEAK
+        while most < cutoff:
+            most *= FARTHER
+        return self._weakest(most)
 
     @cached_property
     def _all_by_weakness(self) -> tuple[Array, Array]:
@@ -196,7 +204,7 @@ class Linear:
 
     def nullity(self, cutoff: float = EXACT) -> int:
         """How many singular values are at most `cutoff` times the largest."""
-        return int(np.count_nonzero(self.weak[0] <= cutoff))
+        return int(np.count_nonzero(self._weak_to(cutoff)[0] <= cutoff))
 
     def rank(self, cutoff: float = EXACT) -> int:
         """How many are larger."""
@@ -206,14 +214,14 @@ class Linear:
         """A cutoff between the first `nullity` singular values and the next: their geometric mean."""
         most, values = WEAK, self.weak[0]
         while len(values) < self.count and nullity < self.count and not _tells(values, nullity, most):
-            most *= 10.0
+            most *= FARTHER
             values = self._weakest(most)[0]
         values = np.concatenate([[EXACT], np.maximum(values, EXACT), [1.0]])
         return float(np.sqrt(values[nullity] * values[nullity + 1])) if nullity < len(values) - 1 else 1.0
 
     def free(self, cutoff: float = EXACT) -> Array:
         """(d, n): rates that the matrix leaves free, orthonormal rows."""
-        return self.weak[1][: self.nullity(cutoff)]
+        return self._weak_to(cutoff)[1][: self.nullity(cutoff)]
 
     def outside(self, goals: Array, cutoff: float = EXACT) -> Array:
         """The parts of `goals` (m, k) that no x gives.
@@ -246,7 +254,7 @@ class Linear:
         """Weak directions (k, n) by rows, and what they hold (m, l), orthonormal columns."""
         known = self._alone.get(cutoff)
         if known is None:
-            values, vectors = self._weakest(max(WEAK, cutoff))
+            values, vectors = self._weak_to(cutoff)
             weak = vectors[: int(np.count_nonzero(values <= cutoff))]
             held = np.linalg.qr(self.matrix @ weak[values[: len(weak)] > EXACT].T)[0]
             known = self._alone[cutoff] = weak, held

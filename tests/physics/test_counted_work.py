@@ -7,7 +7,8 @@ import pytest
 
 import lamc
 from lamc.basics.errors import RequestError
-from lamc.run.length import TRIAL, Length, length_of
+from lamc.run.defaults import ATOL, RTOL
+from lamc.run.length import LOOSE, LOOSE_ATOL, TRIAL, Length, length_of
 from lamc.run.request import Status
 from tests.support import fold_corpus
 from tests.support.ctools import needs_cc
@@ -139,14 +140,12 @@ def test_rows_show_what_work_ended(large: lamc.Simulator) -> None:
     assert even.t[-1] == each.t[-1]
 
 
-@pytest.mark.parametrize(("interrupted", "rtol"), [(2, 1e-9), (3, 1e-6)])
+@pytest.mark.parametrize(("interrupted", "rtol", "atol"), [(2, RTOL, ATOL), (3, LOOSE, LOOSE_ATOL)])
 def test_ctrl_c_while_another_run_is_made_keeps_what_there_is(
-    large: lamc.Simulator, interrupted: int, rtol: float
+    large: lamc.Simulator, interrupted: int, rtol: float, atol: float
 ) -> None:
     """Of the exact one, after a part of the work, or of the looser one, which got farther by as much."""
-    kept = (
-        Length(10.0, 4000, is_own=True, work=TRIAL * 12e6).run(large, 0, rtol=rtol, atol=1e-2 * rtol).result
-    )
+    kept = Length(10.0, 4000, is_own=True, work=TRIAL * 12e6).run(large, 0, rtol=rtol, atol=atol).result
 
     class Impatient:
         def __init__(self) -> None:

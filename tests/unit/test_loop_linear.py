@@ -64,6 +64,20 @@ def test_what_is_left_alone_need_be_no_weaker_by_far(cutoff: float) -> None:
     )
 
 
+@pytest.mark.parametrize("cutoff", [5e-3, 2e-2, 5e-2])
+def test_no_rate_that_a_cutoff_leaves_free_is_missed(cutoff: float) -> None:
+    """All that may be a misfit's is looked for, and more where more is asked for: 64 rates, and not the first eight."""
+    random = np.random.default_rng(6)
+    full = random.normal(size=(300, 140)) * (random.random((300, 140)) < 0.1)
+    left, _, right = np.linalg.svd(full, full_matrices=False)
+    values = np.concatenate([np.linspace(2.0, 1.0, 76), 2.0 * np.geomspace(0.9, 0.4, 64) * cutoff])
+    linear = Linear(sparse.csr_array((left * values) @ right))
+    assert linear.nullity(cutoff) == 64
+    assert linear.rank(cutoff) == 76
+    # An iterated direction has a share of those beyond the block that three rounds leave, 1e-12 here, and round-off.
+    assert np.abs(linear.free(cutoff) @ right[:76].T).max() < 1e-9
+
+
 def test_weak_directions_are_the_same_from_those_of_a_matrix_nearby() -> None:
     near = matrix(100, 70, 12)
     change = 1e-3 * np.random.default_rng(9).normal(size=near.shape) * (np.abs(near) > 0.1)

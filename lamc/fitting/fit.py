@@ -12,6 +12,7 @@ import numpy as np
 from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError
 from lamc.basics.places import located_at
+from lamc.basics.threads import on_one_thread
 from lamc.codegen.options import CompileOptions
 from lamc.fitting.answer import Fit, beyond_a_turn, compared_of, remarks
 from lamc.fitting.cameras import camera_starts
@@ -78,6 +79,7 @@ def fit(
     return answered(simulators, data, free, parameters, loss, starts, seed, integrator, segments)
 
 
+@on_one_thread
 def answered(
     simulators: Simulators,
     data: Recording | Sequence[Recording],

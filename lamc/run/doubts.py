@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from lamc.basics.threads import on_one_thread
+
 if TYPE_CHECKING:
     from lamc.run.result import Result
 
@@ -78,6 +80,7 @@ def _let_go(result: "Result") -> list[str]:
     ]
 
 
+@on_one_thread
 def _rank_from_elsewhere(result: "Result") -> list[str]:
     """Where the rank that the runtime takes at most is met in other postures only, or is not the largest met."""
     model = result.motion.model

@@ -15,6 +15,7 @@ import numpy as np
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, LamcError, RequestError, SimulationError
 from lamc.basics.once import lazy
+from lamc.basics.threads import on_one_thread
 from lamc.run.arguments import check_names
 from lamc.run.at_rest import Rest, Stand
 from lamc.run.balance import DOWN, Search, search, went_far
@@ -99,6 +100,7 @@ class Equilibrium(Unchanging):
         return f"<Equilibrium, {self.kind}: {shown}{more}; {self.reason}>"
 
 
+@on_one_thread
 def equilibrium_of(
     simulator: "Simulator",
     angles: "Mapping[str, float | str] | Equilibrium | None",
@@ -112,6 +114,7 @@ def equilibrium_of(
     return _found(simulator, rest, _start(simulator, rest, angles), has_time=t is not None, stable=stable)
 
 
+@on_one_thread
 def equilibria_of(
     simulator: "Simulator",
     starts: "int | Sequence[Mapping[str, float | str]]",

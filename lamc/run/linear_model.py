@@ -17,6 +17,7 @@ from lamc.basics.brief import brief
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import LamcError, RequestError, SimulationError
 from lamc.basics.readonly import ReadOnlyDict
+from lamc.basics.threads import on_one_thread
 from lamc.run.at_rest import Stand
 from lamc.run.chart import Chart, chart_of
 from lamc.run.equilibrium import Equilibrium
@@ -92,6 +93,7 @@ class LinearModel(Unchanging):
         return control.ss(self.A, self.B, self.C, self.D, **names)
 
 
+@on_one_thread
 def linear_model_of(
     simulator: "Simulator",
     point: Equilibrium,

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.basics.errors import LamcError, RequestError
+from lamc.basics.threads import on_one_thread
 from lamc.run.derivatives import ANGLES, RATES
 from lamc.run.request import Array
 
@@ -49,6 +50,7 @@ def beside(value: float, least: float | None, most: float | None) -> Beside:
     return Beside(step if above >= below else -step, places, weights)
 
 
+@on_one_thread
 def slope_of_start(simulator: "Simulator", name: str) -> Array:
     """Derivative of the start by a parameter of the scene, an angle or a rate."""
     if not name.startswith((ANGLES, RATES)):

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from lamc.basics.checks import shown
 from lamc.basics.errors import RequestError, SimulationError
 from lamc.basics.once import lazy
+from lamc.basics.threads import on_one_thread
 from lamc.run.as_result import as_result
 from lamc.run.at_rest import Stand
 from lamc.run.chart import chart_of
@@ -158,6 +159,7 @@ class Modes(Unchanging):
         return f"<Modes: {len(self)}, at {first}{', …' * (len(self) > 4)} Hz, {self.point.kind}>"
 
 
+@on_one_thread
 def modes_of(simulator: "Simulator", point: Equilibrium | None, *, damping: bool) -> Modes:
     """As `Simulator.modes`."""
     if point is None:

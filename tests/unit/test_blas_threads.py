@@ -6,11 +6,17 @@ import os
 import subprocess
 import sys
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from threadpoolctl import ThreadpoolController
 
+import lamc
 from lamc.basics.threads import on_one_thread
+from tests.support.closed_mechanisms import closed_mechanism
+from tests.support.ctools import needs_cc
 
 
 def blas_threads() -> list[int]:
@@ -79,3 +85,40 @@ def test_scipy_that_is_loaded_within_has_one_thread_until_the_end() -> None:
     within, after = json.loads(done.stdout)
     assert set(within) == {1}
     assert set(after) == {2}
+
+
+@pytest.fixture(scope="module")
+def linkage() -> lamc.Simulator:
+    return lamc.compile(closed_mechanism("planar", 3).mechanism)
+
+
+@needs_cc
+@pytest.mark.parametrize(
+    "ask",
+    [
+        pytest.param(lambda simulator: simulator.run(0.05).notes, id="notes"),
+        pytest.param(lambda simulator: simulator.equilibrium(), id="equilibrium"),
+        pytest.param(lambda simulator: simulator.modes(simulator.equilibrium()), id="modes"),
+    ],
+)
+def test_what_is_asked_of_a_simulator_is_decomposed_on_one_thread(
+    ask: Callable[[lamc.Simulator], object], linkage: lamc.Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of a sheet of 700 hinges, five decompositions for the notes took a minute beside other work on two processors,
+    and a third of a second so."""
+    met: list[int] = []
+
+    def watched(name: str) -> None:
+        plain = getattr(np.linalg, name)
+
+        def decompose(*given: Any, **named: Any) -> Any:
+            met.extend(blas_threads())
+            return plain(*given, **named)
+
+        monkeypatch.setattr(np.linalg, name, decompose)
+
+    for name in ("svd", "eigh", "eig"):
+        watched(name)
+    with ThreadpoolController().limit(limits=2, user_api="blas"):
+        ask(linkage)
+    assert set(met) == {1}

@@ -25,7 +25,8 @@ def convert(source: Source, target: str, terminal: Terminal, *, force: bool) -> 
     lines = [f"file      {path}  {len(made.content) / 1000:.1f} kB"]
     lines += [f"{'lost' if k == 0 else '':<10}{what}" for k, what in enumerate(made.lost)]
     if made.again:
-        lines.append(f"options   {made.again}: with these lamc reads the same device")
+        read_so = "the same device" if made.same else "it, but for what is lost"
+        lines.append(f"options   {made.again}: with these lamc reads {read_so}")
     terminal.say("\n".join(lines))
     data = {"ok": True, "file": str(path), "bytes": len(made.content), "lost": list(made.lost)}
     terminal.result({**data, "options": made.again})

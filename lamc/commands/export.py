@@ -59,7 +59,8 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
     ]
     lines += TARGETS[order.target].told(files)
     if effects is not None:
-        left_out = "; README.md lists what of them is left out" if order.options.lossy else ""
+        is_listed = order.options.lossy and "README.md" in files
+        left_out = "; README.md lists what of them is left out" if is_listed else ""
         lines += [f"effects   {', '.join(effects) or 'none'}{left_out}"]
     step = TARGETS[order.target].making.next_step(str(folder), files, order.options)
     lines += [f"next      {step}"]

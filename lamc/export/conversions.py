@@ -23,11 +23,12 @@ from lamc.design.steps import SplitSteps
 from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import crease_of, lines_of_sheet, lost_in_drawing, point_of
 from lamc.export.cuts.lines import CutLine, bounds_of
+from lamc.export.read_back import differences
 from lamc.readers.joints_writer import ends, joints_text
 from lamc.readers.mechanism_file import mechanism_text
 from lamc.readers.native import Document
 from lamc.readers.native_writer import design_text
-from lamc.records.card import Card
+from lamc.records.card import Card, Facets, SheetOptions
 from lamc.records.design import Design, Layer, Material
 from lamc.records.mechanism import Array, Mechanism
 from lamc.records.scene import Scene
@@ -39,11 +40,13 @@ _LAYERS = "`lamc export FILE --to cut` draws each layer in a file of its own"
 
 @dataclass(frozen=True)
 class Converted:
-    """content: of the file; lost: what it does not hold, in words; again: options that read the same back."""
+    """content: of the file; lost: what it does not hold, in words; again: options that read it back; same: whether it
+    is the same device then."""
 
     content: bytes
     lost: tuple[str, ...] = ()
     again: str = ""
+    same: bool = True
 
 
 Maker: TypeAlias = Callable[[Design | Mechanism, str], Converted]  # of a record, and the stem of the file
@@ -164,30 +167,39 @@ def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: 
         sheet = CreasedSheet(made, f"{kind} holds")
         _check_sheet(sheet, f"{kind} holds a sheet of one card")
         lines = lines_of_sheet(sheet)
-        lost = sheet.lost + lost_in_drawing(sheet)
-        # An SVG's title is its name.
-        lost += _lost_of_scenes(made, angles=False) + _lost_words(made, made.name if paged else stem)
         low, high = bounds_of(lines)
         corner = np.array([low[0], high[1]]) if paged else np.zeros(2)
+        content, options = write(lines, made.name), _options(sheet, corner)
+        unlike = differences(made, content, f".{kind.lower()}", options, corner)
+        # An SVG's title is its name.
+        lost = sheet.lost + lost_in_drawing(sheet, lines) + unlike
+        lost += _lost_scenes(made) + _lost_words(made, made.name if paged else stem)
         if corner.any():
             lost.append(
                 f"where it lies: its page begins at {millimetres((float(corner[0]), float(corner[1])))}"
             )
-        return Converted(write(lines, made.name), tuple(lost), _options(sheet, corner))
+        return Converted(content, tuple(lost), _words(options), same=not unlike)
 
     return maker
 
 
-def _options(sheet: CreasedSheet, corner: Array) -> str:
-    """Options that say what the drawing does not, whose places count from a corner, m."""
+def _options(sheet: CreasedSheet, corner: Array) -> SheetOptions:
+    """What the drawing does not say; its places count from a corner, m."""
+    x, y = (point_of(sheet) - corner).tolist()
+    facets: Facets = "bend" if sheet.mechanism.facet_creases else "rigid"
+    return SheetOptions(fixed=(x, y), card=sheet.card, crease=crease_of(sheet), facets=facets)
+
+
+def _words(options: SheetOptions) -> str:
+    """As the command line takes them."""
     words = []
-    if sheet.card is not None:
-        words.append(f"--card '{sheet.card.thickness!r} m, {sheet.card.density!r} kg/m^3'")
-    crease = crease_of(sheet)
-    if crease is not None:
-        words.append(f"--crease {crease!r}")
-    x, y = point_of(sheet) - corner
-    return " ".join([*words, f"--fixed '{float(x)!r}, {float(y)!r}'"])
+    if options.card is not None:
+        words.append(f"--card '{options.card.thickness!r} m, {options.card.density!r} kg/m^3'")
+    if options.crease is not None:
+        words.append(f"--crease {options.crease!r}")
+    assert isinstance(options.fixed, tuple)
+    x, y = options.fixed
+    return " ".join([*words, f"--fixed '{x!r}, {y!r}'", f"--facets {options.facets}"])
 
 
 def _svg(lines: list[CutLine], name: str) -> bytes:
@@ -237,9 +249,11 @@ def _lost_of_scenes(mechanism: Mechanism, *, angles: bool) -> list[str]:
     scene = mechanism.scene
     if scene is not None and scene != (Scene(angles=scene.angles) if angles else Scene()):
         lost.append("its scene" if not angles else "its scene but for the angles at which it starts")
-    if mechanism.scenes:
-        lost.append(f"its scenes ({', '.join(mechanism.scenes)})")
-    return lost
+    return lost + _lost_scenes(mechanism)
+
+
+def _lost_scenes(mechanism: Mechanism) -> list[str]:
+    return [f"its scenes ({', '.join(mechanism.scenes)})"] if mechanism.scenes else []
 
 
 def _lost_words(mechanism: Mechanism, stem: str) -> list[str]:

@@ -13,10 +13,12 @@ from dataclasses import replace
 from typing import Any
 
 import shapely
-from shapely.geometry import Polygon
+from shapely import STRtree
+from shapely.geometry import LineString, Polygon
 
 from lamc.basics.errors import ExportError, UnsupportedError
 from lamc.codegen.names import identifier
+from lamc.design.linking import millimetres
 from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import lines_of_sheet
 from lamc.export.cuts.dxf import dxf_bytes
@@ -89,7 +91,9 @@ def _laminate(design: Design, options: ExportOptions) -> dict[str, bytes]:
                 "mass": mass_of(layer),
             }
         )
-    return made | _report(design.name, rows, _bodies(plan), _comparison(plan), notes, stock, options)
+    return made | _report(
+        design.name, "laminate", rows, _bodies(plan), _comparison(plan), notes, stock, options
+    )
 
 
 def _bodies(plan: Plan) -> list[dict[str, Any]]:
@@ -130,14 +134,18 @@ def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
             f"this is no sheet of creases, and its drawing of layers is not here: {'; '.join(sheet.faults)}; export "
             "the design"
         )
-    lines = lines_of_sheet(sheet)
+    lines = lines_of_sheet(sheet, is_cut=True)
     rims = [line for line in lines if line.pen.name in _BORDERS]
     area = _area(rims)
     notes = []
     if options.kerf:
         lines = [line for line in lines if line.pen.name not in _BORDERS] + _compensated(rims, options.kerf)
+    if mechanism.facet_creases:
+        notes.append(
+            f"facets bend as they are: the {len(mechanism.facet_creases)} lines along which they do are not drawn"
+        )
     if style == PERFORATED:
-        lines = _perforated(lines, pitch)
+        lines = _perforated(lines, pitch, options.kerf)
         notes.append("creases are cut as dashes: the drawing does not read back as a device")
     stock = _stock(lines, options)
     stem = identifier(mechanism.name)
@@ -160,7 +168,7 @@ def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
         raise UnsupportedError(f"outlines enclose {area:g} m2, and facets have {facets:g} m2: facets overlap")
     comparison = f"the outline encloses the area of all facets, to {gap:.1g}, relative"
     bodies = [{"name": b.name, "mass": b.mass, "simulated": b.mass} for b in mechanism.bodies]
-    return made | _report(mechanism.name, rows, bodies, comparison, notes, stock, options)
+    return made | _report(mechanism.name, "sheet", rows, bodies, comparison, notes, stock, options)
 
 
 def _area(rims: Sequence[CutLine]) -> float:
@@ -171,21 +179,43 @@ def _area(rims: Sequence[CutLine]) -> float:
 
 
 def _compensated(rims: Sequence[CutLine], kerf: float) -> list[CutLine]:
-    """Outlines outward by half of the kerf, holes inward."""
-    whole = shapely.union_all([Polygon(line.points) for line in rims if line.pen.name == "border"])
-    holes = shapely.union_all([Polygon(line.points) for line in rims if line.pen.name == "hole"])
-    grown = offset(shapely.difference(whole, holes), 0.5 * kerf)
+    """Outlines outward by half of the kerf, holes inward. Raises ExportError where pieces would grow into one."""
+    pieces = _pieces(rims)
+    grown = offset(shapely.union_all(pieces), 0.5 * kerf)
+    if len(grown.geoms) < len(pieces):
+        raise ExportError(
+            f"{len(pieces)} pieces of the sheet are nearer to each other than the kerf of {1e6 * kerf:.4g} um: "
+            f"{len(grown.geoms)} would be left; draw the gap wider, or give the kerf of a finer cutter"
+        )
     return rings_of(list(grown.geoms), ROLES["border"], ROLES["hole"])
 
 
-def _perforated(lines: Sequence[CutLine], pitch: float) -> list[CutLine]:
+def _pieces(rims: Sequence[CutLine]) -> list[Polygon]:
+    """What each outline encloses, less its holes; a piece in a hole is one by itself."""
+    holes = [Polygon(line.points) for line in rims if line.pen.name == "hole"]
+    tree, found = STRtree(holes), list[Polygon]()
+    for line in rims:
+        if line.pen.name == "border":
+            whole = Polygon(line.points)
+            within = [holes[k] for k in tree.query(whole, predicate="covers").tolist()]
+            found += shapely.get_parts(shapely.difference(whole, shapely.union_all(within))).tolist()
+    return found
+
+
+def _perforated(lines: Sequence[CutLine], pitch: float, kerf: float) -> list[CutLine]:
     found: list[CutLine] = []
     for line in lines:
         if line.closed or line.pen.name in ("border", "cut", "flat"):
             found.append(line)
         else:
-            found += [open_line(dash, line.pen) for dash in dashes_of(shapely.LineString(line.points), pitch)]
+            dashes = dashes_of(LineString(line.points), pitch, kerf, _place(line))
+            found += [open_line(dash, line.pen) for dash in dashes]
     return found
+
+
+def _place(line: CutLine) -> str:
+    x, y = line.points.mean(axis=0)
+    return f"around {millimetres((x, y))}"
 
 
 def _stock(lines: Sequence[CutLine], options: ExportOptions) -> Stock:
@@ -203,6 +233,7 @@ def _drawings(stem: str, name: str, about: str, lines: Sequence[CutLine], stock:
 
 def _report(
     name: str,
+    kind: str,
     layers: list[dict[str, Any]],
     bodies: list[dict[str, Any]],
     comparison: str,
@@ -210,9 +241,10 @@ def _report(
     stock: Stock,
     options: ExportOptions,
 ) -> dict[str, bytes]:
-    """README.md and cut.json: SI."""
+    """README.md and cut.json: SI. kind: "laminate" or "sheet"."""
     data = {
         "design": name,
+        "kind": kind,
         "layers": layers,
         "bodies": bodies,
         "comparison": comparison,

@@ -57,6 +57,8 @@ def result_files(
     """The same of a run that has been made; start: angles by joint, rad, that its scene gives; None: where it began."""
     mechanism = result.mechanism
     sheet = _Sheet(mechanism, lossy=options.lossy)
+    for lost in sheet.lost:
+        warn(f"{identifier(mechanism.name)}.fold does not hold {lost}")
     if start is None:
         start = {name: float(result.angle(name)[0]) for name in result.hinges}
     count = max(2, min(FRAMES, len(result.t), MOST // (3 * len(sheet.vertices) + len(sheet.edges))))

@@ -169,7 +169,10 @@ class _Sheet:
         if start and not own.hinges:
             start = fitted(flat, start, self.notes)
         scene = Scene(angles=start, closure_tolerance=OFF * self.size)
-        return replace(flat, scene=scene), self.notes
+        bent = (
+            joint.name for c, joint in zip(creases, joints, strict=True) if frame.kinds[c.edges[0]] == FACET
+        )
+        return replace(flat, scene=scene, facet_creases=tuple(bent)), self.notes
 
     def _tell_still(self, joined: Sequence[int]) -> None:
         """That nothing folds, and why, unless that is told already."""

@@ -451,7 +451,97 @@ def test_kerf_and_dashes_of_a_sheet(tmp_path: Path) -> None:
     assert border.area == pytest.approx((80.2e-3) ** 2, rel=SAME)
     dashes = [p for name, _, p in lines if name.startswith(("mountain", "valley"))]
     length = 4 * math.hypot(40e-3, 40e-3) + 80e-3
-    assert sum(math.dist(*dash) for dash in dashes) == pytest.approx(0.5 * length, rel=SAME)
+    drawn = 0.5 * length - 0.2e-3 * len(dashes)  # the cutter takes a kerf at each, half of it at either end
+    assert sum(math.dist(*dash) for dash in dashes) == pytest.approx(drawn, rel=SAME)
+
+
+@pytest.mark.parametrize("kerf", [0.1e-3, 0.45e-3])
+def test_perforations_leave_half_of_a_line_whatever_the_kerf(kerf: float, tmp_path: Path) -> None:
+    """Of what the cutter takes away, by shapely: the card stays in one piece, and half of each crease stays."""
+    made = sheet(corpus.waterbomb(), tmp_path)
+    lines = dxf_lines(cut(made, kerf=kerf, hinge_style="perforated, 1 mm")["sheet.dxf"])
+    gone = shapely.union_all(
+        [LineString(p).buffer(0.5 * kerf) for name, _, p in lines if name.startswith(("mountain", "valley"))]
+    )
+    card = shapely.box(-40e-3, -40e-3, 40e-3, 40e-3)
+    assert isinstance(card.difference(gone), Polygon)
+    for end in ((40e-3, 40e-3), (-40e-3, 0.0)):
+        crease = LineString([(0.0, 0.0), end])
+        assert crease.difference(gone).length == pytest.approx(
+            0.5 * crease.length, rel=0.02
+        )  # at the middle, all meet
+
+
+def test_a_kerf_that_would_take_all_bridges_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(
+        ExportError, match=r"around \(20, 20\) mm perforations cut 0.496 mm .* takes 0.6 mm: take a longer"
+    ):
+        cut(sheet(corpus.waterbomb(), tmp_path), kerf="0.6 mm", hinge_style="perforated, 1 mm")
+    with pytest.raises(ExportError, match=r"along hinge '.*' perforations cut .* take a longer pitch"):
+        cut(example("flaps"), kerf="0.6 mm", hinge_style="perforated, 1 mm")
+
+
+def test_lines_along_which_facets_bend_are_not_cut(tmp_path: Path) -> None:
+    path = corpus.write(tmp_path / "sheet.fold", corpus.miura(2, 2))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        made = lamc.load(path, facets="bend")
+    assert isinstance(made, lamc.Mechanism)
+    assert (len(made.joints), len(made.facet_creases)) == (8, 4)
+    files = cut(made)
+    names = [name.split("_")[0] for name, *_ in dxf_lines(files["sheet.dxf"])]
+    assert len(names) == 5
+    assert set(names) == {"border", "mountain", "valley"}
+    assert any(
+        "the 4 lines along which they do are not drawn" in note
+        for note in json.loads(files["cut.json"])["notes"]
+    )
+
+
+def test_a_width_is_as_wide_as_what_is_simulated_at_least() -> None:
+    with pytest.raises(
+        ExportError, match=r"0.01 mm is narrower than the slit of .* simulated at hinge 'left'"
+    ):
+        cut(example("flaps"), hinge_width="0.01 mm")
+
+
+def test_a_width_that_cuts_nothing_is_told() -> None:
+    notes = json.loads(cut(example("folding_box"), hinge_width="0.1 mm")["cut.json"])["notes"]
+    assert any(
+        "are drawn farther apart than --hinge-width says: it cuts nothing there" in each for each in notes
+    )
+    assert not any("a tenth of the gap" in each for each in notes)
+
+
+def test_the_outline_of_a_sheet_is_cut_last(tmp_path: Path) -> None:
+    text = cut(sheet(corpus.waterbomb(), tmp_path))["README.md"].decode()
+    assert text.index("| `hole` |") < text.index("| `cut` |") < text.index("| `border` |")
+    assert "3_outline" not in text
+    assert "3_outline" in cut(example("flaps"))["README.md"].decode()
+
+
+def test_a_piece_in_a_window_is_cut_out_and_refused_where_the_kerf_is_wider_than_its_gap(
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / "sheet.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100" fill="none">'
+        '<rect x="10" y="10" width="80" height="80" stroke="black"/><path d="M10 30H90" stroke="red"/>'
+        '<rect x="30" y="40" width="40" height="40" stroke="black"/>'
+        '<rect x="31" y="41" width="38" height="38" stroke="black"/></svg>'
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        made = lamc.load(path, card=lamc.Card(), crease=1e-3)
+    assert isinstance(made, lamc.Mechanism)
+    lines = dxf_lines(cut(made, kerf="0.2 mm")["sheet.dxf"])
+    found = sorted((name, 1e6 * Polygon(p).area) for name, _, p in lines if name in ("border", "hole"))
+    assert [name for name, _ in found] == ["border", "border", "hole"]
+    assert [area for _, area in found] == pytest.approx([38.2**2, 80.2**2, 39.8**2], rel=SAME)
+    with pytest.raises(
+        ExportError, match="2 pieces of the sheet are nearer to each other than the kerf of 1500 um"
+    ):
+        cut(made, kerf="1.5 mm")
 
 
 def test_what_is_no_sheet_is_told(tmp_path: Path) -> None:

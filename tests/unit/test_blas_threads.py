@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-
 from collections.abc import Callable
 from typing import Any
 

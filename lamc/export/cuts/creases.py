@@ -9,6 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from shapely import STRtree
 from shapely.geometry import LineString, Polygon
 
 from lamc.basics.errors import UnsupportedError
@@ -20,10 +21,13 @@ from lamc.records.network import listed_names
 _SAME = 1e-9  # relative: stiffness by length that is one
 
 
-def lines_of_sheet(sheet: CreasedSheet) -> list[CutLine]:
-    """Windows first, creases, cuts, flats, the outline last. Raises UnsupportedError for an angle that is no fold."""
+def lines_of_sheet(sheet: CreasedSheet, *, is_cut: bool = False) -> list[CutLine]:
+    """Windows first, creases, cuts, flats, the outline last. Lines along which facets bend are flats, and left out of
+    what is cut: card bends there by itself. Raises UnsupportedError for an angle that is no fold."""
     lines = [CutLine(ring, True, ROLES["hole"]) for ring in sheet.windows]
-    folds = [_fold(sheet, edge) for edge in sheet.edges if edge.joint is not None]
+    folds = [
+        _fold(sheet, edge) for edge in sheet.edges if edge.joint is not None and _is_crease(sheet, edge.joint)
+    ]
     lines += sorted(folds, key=lambda line: line.pen.name)
     rim: dict[tuple[int, ...], list[Edge]] = {}
     for edge in sheet.edges:
@@ -31,7 +35,15 @@ def lines_of_sheet(sheet: CreasedSheet) -> list[CutLine]:
             rim.setdefault(tuple(sorted(sheet.spots[v] for v in edge.ends)), []).append(edge)
     lines += [_line(sheet, pair[0], ROLES["cut"]) for pair in rim.values() if len(pair) > 1]
     outlines = _outlines(sheet, [pair[0] for pair in rim.values() if len(pair) == 1])
+    bent = [edge for edge in sheet.edges if edge.joint is not None and not _is_crease(sheet, edge.joint)]
+    if not is_cut:
+        lines += [_line(sheet, edge, ROLES["flat"]) for edge in bent]
     return lines + _flats(sheet, outlines) + outlines
+
+
+def _is_crease(sheet: CreasedSheet, joint: int) -> bool:
+    """Whether a hinge is a crease, and not a line along which a facet bends."""
+    return sheet.mechanism.joints[joint].name not in sheet.mechanism.facet_creases
 
 
 def _flats(sheet: CreasedSheet, outlines: Sequence[CutLine]) -> list[CutLine]:
@@ -46,7 +58,7 @@ def crease_of(sheet: CreasedSheet) -> float | None:
     """N/rad, the stiffness by length that all sprung creases have; None where they differ, or there are none."""
     lengths: dict[int, float] = {}
     for edge in sheet.edges:
-        if edge.joint is not None:
+        if edge.joint is not None and _is_crease(sheet, edge.joint):
             start, end = sheet.vertices[list(edge.ends)]
             lengths[edge.joint] = lengths.get(edge.joint, 0.0) + math.dist(start, end)
     joints = sheet.mechanism.joints
@@ -99,32 +111,31 @@ def _outlines(sheet: CreasedSheet, edges: list[Edge]) -> list[CutLine]:
     merged = shapely.line_merge(shapely.multilinestrings([LineString(_places(sheet, e)) for e in edges]))
     parts = [part for part in shapely.get_parts(merged) if isinstance(part, LineString)]
     rings = [part for part in parts if part.is_ring]
-    areas = [Polygon(ring) for ring in rings]
-    inner = [
-        any(k != j and areas[j].contains(areas[k].representative_point()) for j in range(len(areas)))
-        for k in range(len(areas))
+    around = [Polygon(ring) for ring in (*rings, *sheet.windows)]
+    tree = STRtree(around)
+    # The rim of a piece in a window lies within two lines, that of a window on a crease within one. A point of what a
+    # rim encloses tells nothing: it may lie in a window.
+    holes = [
+        sum(around[j].area > around[k].area for j in tree.query(rings[k], predicate="covered_by").tolist())
+        % 2
+        for k in range(len(rings))
     ]
     loose = [open_line(part, ROLES["border"]) for part in parts if not part.is_ring]
-    holes = [closed(r.coords, ROLES["hole"]) for r, within in zip(rings, inner, strict=True) if within]
+    inner, outer = ([r for r, hole in zip(rings, holes, strict=True) if hole == k] for k in (1, 0))
     return (
-        holes
-        + [closed(r.coords, ROLES["border"]) for r, w in zip(rings, inner, strict=True) if not w]
+        [closed(ring.coords, ROLES["hole"]) for ring in inner]
+        + [closed(ring.coords, ROLES["border"]) for ring in outer]
         + loose
     )
 
 
-def lost_in_drawing(sheet: CreasedSheet) -> list[str]:
-    """What the lines do not say, beside what keeps the mechanism from being a sheet."""
+def lost_in_drawing(sheet: CreasedSheet, lines: Sequence[CutLine]) -> list[str]:
+    """What the lines do not say, beside what keeps the mechanism from being a sheet, and numbers that reading them back
+    tells."""
     names = [joint.name for joint in sheet.mechanism.joints]
     lost = [f"names of hinges and bodies ({listed_names(names)})"] if names else []
-    held = [body.name for body in sheet.mechanism.bodies if body.fixed]
-    if len(held) > 1:
-        lost.append(f"that all of {listed_names(held)} are held: --fixed holds one")
-    sprung = [joint for joint in sheet.mechanism.joints if joint.stiffness]
-    if sprung and crease_of(sheet) is None:
-        lost.append("stiffnesses that differ by length")
-    if any(joint.rest_angle and not joint.stiffness for joint in sheet.mechanism.joints):
-        lost.append("rest angles of hinges without springs")
-    if any(joint.damping for joint in sheet.mechanism.joints):
-        lost.append("damping of hinges")
+    bent = sum(edge.joint is not None and not _is_crease(sheet, edge.joint) for edge in sheet.edges)
+    flats = sum(line.pen == ROLES["flat"] for line in lines) - bent
+    if flats:
+        lost.append(f"what the {flats} lines inside of bodies were drawn as: they are flat")
     return lost

@@ -73,6 +73,8 @@ def plan_of(design: Design, style_text: str = "gap", width: str | float = DRAWN,
     notes = list(steps.notes)
     if style == CASTELLATED and width == DRAWN:
         width = GAP
+    if not isinstance(width, str):
+        _check_width(steps, width)
     layers = tuple(_cut(steps, k, style, (pitch, kerf), width) for k in range(len(design.layers)))
     left = _left(design, layers, steps.mechanism)
     plan = Plan(layers, steps.mechanism, left, tuple(notes + _told(steps, layers, style, width)))
@@ -82,6 +84,18 @@ def plan_of(design: Design, style_text: str = "gap", width: str | float = DRAWN,
             "please report it with the design"
         )
     return plan
+
+
+def _check_width(steps: SplitSteps, width: float) -> None:
+    """Raises ExportError where boards would stay in the slit that is simulated."""
+    for hinge in steps.hinges:
+        simulated = 2.0 * SLIT * hinge.properties.width
+        if width < simulated * (1.0 - SAME):
+            raise ExportError(
+                f"--hinge-width {1e3 * width:g} mm is narrower than the slit of {1e3 * simulated:g} mm that is "
+                f"simulated at hinge {hinge.name!r}: bodies would be larger than those; make it wider, leave it out, "
+                "or draw a narrower gap"
+            )
 
 
 def _cut(steps: SplitSteps, k: int, style: str, sizes: tuple[float, float], width: str | float) -> CutLayer:
@@ -101,7 +115,7 @@ def _cut(steps: SplitSteps, k: int, style: str, sizes: tuple[float, float], widt
         tabs = [tab for h, half in zip(through, halves, strict=True) for tab in _tabs(h, half, sizes, parts)]
         kept = shapely.union_all([steps.holes[k], *_grown(through, [SLIT * half for half in halves])])
         parts = as_multipolygon(shapely.union(parts, shapely.difference(shapely.union_all(tabs), kept)))
-    lines = [dash for h in bent for dash in _dashes(h, sizes[0], parts)] if style == PERFORATED else []
+    lines = [dash for h in bent for dash in _dashes(h, sizes, parts)] if style == PERFORATED else []
     drawn = tuple((h.line, half) for h, half in zip(through, halves, strict=True))
     return CutLayer(layer, parts, tuple(lines), drawn)
 
@@ -148,10 +162,21 @@ def difference(left: Body, drawn: Body, size: float) -> float:
 def _told(steps: SplitSteps, layers: Sequence[CutLayer], style: str, width: str | float) -> list[str]:
     found = []
     covered = [h.name for h in steps.hinges if _is_covered(h, steps.design, layers)]
-    if covered and style != CASTELLATED:
+    if covered and not isinstance(width, str):
+        found.append(
+            f"boards reach into the gap of {listed_names(covered)}: they are cut {1e3 * width:g} mm wide, as "
+            "--hinge-width says"
+        )
+    elif covered and style != CASTELLATED:
         found.append(
             f"boards reach into the gap of {listed_names(covered)}: they are cut as they are simulated, a tenth of the "
             "gap wide; --hinge-width gap cuts them by the gap"
+        )
+    open_wide = [] if isinstance(width, str) else _open_wider(steps, 0.5 * width)
+    if open_wide:
+        found.append(
+            f"boards beside {listed_names(open_wide)} are drawn farther apart than --hinge-width says: it cuts nothing "
+            "there"
         )
     if style == CASTELLATED:
         found.append(
@@ -168,6 +193,19 @@ def _told(steps: SplitSteps, layers: Sequence[CutLayer], style: str, width: str 
     return found
 
 
+def _open_wider(steps: SplitSteps, half: float) -> list[str]:
+    """Hinges along which no board, as it is drawn, reaches as near to the line as half of a width, m."""
+    found = []
+    for hinge in steps.hinges:
+        strip = shapely.buffer(hinge.line, half, cap_style="flat")
+        boards = [steps.design.layers[k] for k in hinge.layers if k != hinge.properties.layer]
+        if not any(
+            shapely.area(shapely.intersection(strip, b.geometry)) > _BARE * strip.area for b in boards
+        ):
+            found.append(hinge.name)
+    return found
+
+
 def _is_covered(hinge: Hinge, design: Design, layers: Sequence[CutLayer]) -> bool:
     """Whether something of a board is left over the film that shall bend, away from the ends of the line."""
     strip = shapely.buffer(hinge.line, hinge.properties.width, cap_style="flat")
@@ -178,9 +216,9 @@ def _is_covered(hinge: Hinge, design: Design, layers: Sequence[CutLayer]) -> boo
     )
 
 
-def _dashes(hinge: Hinge, pitch: float, parts: MultiPolygon) -> list[LineString]:
-    """Cuts along the line, where there is film, bridged between them and at both ends."""
-    dashes = dashes_of(hinge.line, pitch)
+def _dashes(hinge: Hinge, sizes: tuple[float, float], parts: MultiPolygon) -> list[LineString]:
+    """Cuts along the line, where there is film, bridged between them and at both ends. sizes: pitch and kerf, m."""
+    dashes = dashes_of(hinge.line, *sizes, f"along hinge {hinge.name!r}")
     return [piece for dash in dashes for piece in _within(dash, parts)]
 
 

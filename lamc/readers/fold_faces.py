@@ -23,6 +23,7 @@ NEAR = 1e-9  # of the drawing's size: places that are nearer are one
 _GRID = 1e-12
 # A facet takes a millisecond or so from the file to its body; the largest pattern of public collections has 5100 edges.
 MOST_FACETS = 10_000
+_AT_ONCE = 500  # lines whose crossings are looked for
 Edge = tuple[int, int]
 Face = tuple[int, ...]
 
@@ -134,13 +135,26 @@ def check_planar(points: Array, edges: Sequence[Edge], number: Callable[[int], i
                 if near
                 else f"vertex {vertex} at {_at(points[vertex])} lies on edge {number(edge)}: part the edge there"
             )
-    first, second = STRtree(lines).query(lines, predicate="crosses")
-    for a, b in sorted(zip(first.tolist(), second.tolist(), strict=True)):
-        if a < b:
-            where = shapely.get_coordinates(shapely.intersection(lines[a], lines[b]))[0]
-            raise DesignError(
-                f"edges {number(a)} and {number(b)} cross at {_at(where)}: put a vertex there, or list faces_vertices"
-            )
+    crossing = _first_crossing(lines)
+    if crossing is not None:
+        a, b = crossing
+        where = shapely.get_coordinates(shapely.intersection(lines[a], lines[b]))[0]
+        raise DesignError(
+            f"edges {number(a)} and {number(b)} cross at {_at(where)}: put a vertex there, or list faces_vertices"
+        )
+
+
+def _first_crossing(lines: Array) -> tuple[int, int] | None:
+    """The first two lines that cross. Of scribbles there are as many as pairs, so only some lines are asked at once."""
+    tree = STRtree(lines)
+    for start in range(0, len(lines), _AT_ONCE):
+        first, second = tree.query(lines[start : start + _AT_ONCE], predicate="crosses")
+        pairs = [
+            pair for pair in zip((first + start).tolist(), second.tolist(), strict=True) if pair[0] < pair[1]
+        ]
+        if pairs:
+            return min(pairs)
+    return None
 
 
 def _at(point: Array) -> str:

@@ -6,6 +6,7 @@ In: a frame. Out: whether its edges part facets as they are, and if not, a `Draw
 import numpy as np
 
 from lamc.basics.errors import DesignError
+from lamc.readers.drawings.heal import check_crossings
 from lamc.readers.fold_faces import check_count, check_planar
 from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_sheet import is_level, unit_of
@@ -32,6 +33,7 @@ def lines_of(frame: FoldFrame, options: SheetOptions, stem: str, file: str) -> D
     if frame.faces is not None or frame.own or not is_level(frame):
         return None
     check_count(len(frame.edges), "edges", large=options.large)
+    check_crossings(frame.vertices[np.array(frame.edges, dtype=np.int64).reshape(-1, 2), :2])
     fault = None
     try:
         check_planar(frame.vertices[:, :2], frame.edges, frame.number)

@@ -193,3 +193,16 @@ def test_folded_lines_and_too_many_stay_refused(tmp_path: Path) -> None:
     (tmp_path / "many.fold").write_text(json.dumps(many))
     with pytest.raises(LamcError, match="30001 edges"):
         lamc.load(tmp_path / "many.fold")
+
+
+def test_scribbles_are_refused_before_all_their_crossings_are_found(tmp_path: Path) -> None:
+    random = np.random.default_rng(2)
+    data = {
+        "file_spec": 1.2,
+        "frame_unit": "mm",
+        "vertices_coords": random.uniform(0.0, 100.0, (4000, 2)).tolist(),
+        "edges_vertices": [[2 * k, 2 * k + 1] for k in range(2000)],
+        "edges_assignment": ["M"] * 2000,
+    }
+    with pytest.raises(lamc.DesignError, match=r"more than 100000 lines.* parted where they cross"):
+        lamc.load(corpus.write(tmp_path / "scribble.fold", data), card=lamc.Card(), crease=1e-3)

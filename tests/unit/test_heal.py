@@ -260,3 +260,29 @@ def test_more_lines_than_are_read_are_refused() -> None:
     comb = [line((i, -1), (i, 1000)) for i in range(500)] + [line((-1, i), (1000, i)) for i in range(500)]
     with pytest.raises(lamc.DesignError, match="more than 100000 lines"):
         healed(comb, HEAL)
+
+
+def test_lines_over_one_another_in_a_heap_are_refused_before_memory_is_full(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Of a heap each end lies on each line: as many pairs as the square of them."""
+    monkeypatch.setattr("lamc.readers.drawings.geometry.MOST_NEAR", 10_000)
+    heap = [line((0, 1e-6 * k), (100, 1e-6 * k)) for k in range(150)]
+    with pytest.raises(lamc.DesignError, match="more than 10000 ends and lines lie within"):
+        healed(heap, HEAL)
+
+
+def test_lines_drawn_again_and_again_are_one() -> None:
+    """They do not cross, which of lines that are the same takes long to tell."""
+    again = [line((0, 0), (100, 0)), line((100, 0), (0, 0))] * 60
+    assert len(healed([*again, line((50, -100), (50, 100))], HEAL).edges) == 4
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 40])
+def test_outlines_within_one_another_are_material_and_windows_by_turns(count: int) -> None:
+    """Each ring is a body of its own, as wide as those around it leave."""
+    rings = [square(k, k, 100 - 2 * k) for k in range(count)]
+    made = sheet(rings)
+    sides = [100.0 - 2.0 * k for k in range(count)] + [0.0] * (count % 2)
+    wanted = sorted(1e-6 * (a * a - b * b) for a, b in zip(sides[::2], sides[1::2], strict=True))
+    assert areas(made) == pytest.approx(wanted, rel=1e-9)

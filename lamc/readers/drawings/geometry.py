@@ -12,11 +12,13 @@ import numpy.typing as npt
 import shapely
 from shapely import STRtree
 
+from lamc.basics.errors import DesignError
 from lamc.readers.fold_faces import Edge
 from lamc.records.mechanism import Array
 
 Indices = npt.NDArray[np.int64]
 _AT_ONCE = 1_000_000  # pairs of lines that one query for crossings may look at: two seconds, where all cross
+MOST_NEAR = 4_000_000  # ends beside one another or beside lines: those of a heap are pairs of each with each
 _PARALLEL = 1e-6  # of the product of lengths: lines at a smaller angle do not meet in any useful place
 
 
@@ -95,7 +97,7 @@ def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[in
     """
     kept = np.arange(len(points))
     dots = shapely.points(points)
-    first, second = STRtree(dots).query(dots, predicate="dwithin", distance=near)
+    first, second = _pairs_within(STRtree(dots), dots, near)
     apart = first != second
     beside: dict[int, list[int]] = {}
     for p, q in zip(first[apart].tolist(), second[apart].tolist(), strict=True):
@@ -111,6 +113,23 @@ def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[in
                 kept[q] = p
                 settled.add(q)
     return kept
+
+
+def _pairs_within(tree: STRtree, dots: npt.NDArray[np.object_], near: float) -> tuple[Indices, Indices]:
+    """Dots and what of the tree is within reach of them, by index. Raises DesignError for very many."""
+    step = max(1, _AT_ONCE // max(1, len(tree)))
+    firsts, seconds, count = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], 0
+    for start in range(0, len(dots), step):
+        a, b = tree.query(dots[start : start + step], predicate="dwithin", distance=near)
+        firsts.append(a + start)
+        seconds.append(b)
+        count += len(a)
+        if count > MOST_NEAR:
+            raise DesignError(
+                f"more than {MOST_NEAR} ends and lines lie within {1e6 * near:.3g} um of one another, so that many are "
+                "drawn over one another; draw each once, or heal with less"
+            )
+    return np.concatenate(firsts), np.concatenate(seconds)
 
 
 def crossing_pairs(lines: npt.NDArray[np.object_], most: int) -> tuple[Indices, Indices]:
@@ -133,7 +152,7 @@ def near_pairs(at: Array, segments: Segments, near: float, exact: float) -> tupl
     """Vertices, segments and distances, where a vertex lies on a segment, or beside it and not beside its ends too."""
     lines = shapely.linestrings(at[segments.pairs()])
     used = np.unique(segments.pairs())
-    v, s = STRtree(lines).query(shapely.points(at[used]), predicate="dwithin", distance=near)
+    v, s = _pairs_within(STRtree(lines), shapely.points(at[used]), near)
     v = used[v]
     other = (v != segments.a[s]) & (v != segments.b[s])
     v, s = v[other], s[other]

@@ -63,6 +63,15 @@ def healed(strokes: Sequence[Stroke], tolerance: float) -> Graph:
     return _Healer(strokes, tolerance).graph()
 
 
+def check_crossings(ends: Array) -> None:
+    """Raises DesignError where lines (n, 2, 2) cross so often that more edges would come of it than are read."""
+    turned = np.lexsort((ends[..., 1], ends[..., 0]), axis=1)
+    ordered = np.take_along_axis(ends, turned[..., None], axis=1)
+    once = np.unique(ordered.reshape(-1, 4), axis=0)  # whether a line crosses itself takes long to tell
+    if len(crossing_pairs(shapely.linestrings(once.reshape(-1, 2, 2)), MOST_EDGES)[0]) > MOST_EDGES:
+        raise _too_many()
+
+
 class _Healer:
     """One drawing. `at`: places of vertices; `segments`: what runs between them; `ends`: (vertex, stroke)."""
 
@@ -75,6 +84,7 @@ class _Healer:
         self.at, self.segments, self.ends = drawn(self._courses())
 
     def graph(self) -> Graph:
+        check_crossings(self.at[self.segments.pairs()])
         self._join(self.exact)
         if self.near > self.exact:
             self._join(self.near)

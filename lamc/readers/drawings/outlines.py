@@ -42,15 +42,24 @@ def islands_of(points: Array, edges: Sequence[Edge]) -> list[Island]:
 
 def nesting(islands: Sequence[Island]) -> list[int]:
     """How many other islands each lies within."""
+    return _nested(islands)[0]
+
+
+def _nested(islands: Sequence[Island]) -> tuple[list[int], list[int]]:
+    """How many other islands each lies within, and which of them is the smallest; -1: it lies within none."""
     if not islands:
-        return []
+        return [], []
     shapes = np.array([each.hull for each in islands], dtype=object)
     shapely.prepare(shapes)
     inner, outer = STRtree(shapes).query(shapely.point_on_surface(shapes), predicate="within")
     # The point of a larger island may lie in a smaller one that is amid it.
-    larger = shapely.area(shapes)[outer] > shapely.area(shapes)[inner]
-    counts: list[int] = np.bincount(inner[larger], minlength=len(islands)).tolist()
-    return counts
+    sizes = shapely.area(shapes)
+    larger = sizes[outer] > sizes[inner]
+    inner, outer = inner[larger], outer[larger]
+    parents = np.full(len(islands), -1)
+    by_size = np.argsort(-sizes[outer], kind="stable")
+    parents[inner[by_size]] = outer[by_size]  # of several, the last one stays
+    return np.bincount(inner, minlength=len(islands)).tolist(), parents.tolist()
 
 
 def material(points: Array, edges: Sequence[Edge], holes: frozenset[Edge] = frozenset()) -> MultiPolygon:
@@ -60,14 +69,17 @@ def material(points: Array, edges: Sequence[Edge], holes: frozenset[Edge] = froz
     """
     kept = [edges[k] for k in parting(points, edges)]
     islands = islands_of(points, kept)
-    depths = nesting(islands)
-    found: BaseGeometry = MultiPolygon()
-    for depth in range(max(depths, default=-1) + 1):
-        level = [i for i, d in zip(islands, depths, strict=True) if d == depth]
-        filled = [_without(points, i, holes) for i in level if not set(i.edges) <= holes and depth % 2 == 0]
-        emptied = [i.hull for i in level if set(i.edges) <= holes or depth % 2]
-        found = shapely.difference(shapely.union_all([found, *filled]), shapely.union_all(emptied))
-    return areas(found)
+    depths, parents = _nested(islands)
+    within: dict[int, list[BaseGeometry]] = {}
+    for island, parent in zip(islands, parents, strict=True):
+        within.setdefault(parent, []).append(island.hull)
+    # Each by itself, less what lies next within it: what is at odd depth is empty, and at even depth begins anew.
+    filled = [
+        shapely.difference(_without(points, island, holes), shapely.union_all(within.get(k, [])))
+        for k, island in enumerate(islands)
+        if depths[k] % 2 == 0 and not set(island.edges) <= holes
+    ]
+    return areas(shapely.union_all(filled))
 
 
 def hull(points: Array, edges: Sequence[Edge]) -> BaseGeometry:

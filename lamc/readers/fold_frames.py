@@ -54,6 +54,10 @@ def chosen_frame(data: Data, error: Errors, notes: list[str], number: int | None
             near = meant(name)
             if near is not None and near not in merged:
                 notes.append(f"the key {name!r} is none of FOLD's, and is not read; is {near!r} meant?")
+        if "frame_unit" in key and "frame_unit" not in merged:
+            notes.append(
+                f"frame {index} says no unit: that of the key frame, {shown(key['frame_unit'])}, is taken"
+            )
         return {**{k: v for k, v in key.items() if k in ("file_title", "frame_unit")}, **merged}
     raise error("no frame has edges_vertices or faces_vertices; draw the sheet's edges")
 

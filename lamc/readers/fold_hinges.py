@@ -104,11 +104,16 @@ class Hinges:
 
     def _rest(self, crease: Crease, name: str) -> tuple[bool, float]:
         """Whether a spring acts, and where it rests, rad."""
+        leading = crease.edges[0]
         kinds = {self.frame.kinds[k] for k in crease.edges}
         given = [angle for k in crease.edges if (angle := self.frame.angles[k]) is not None]
         if len(kinds) > 1 or (given and max(given) - min(given) > _SMALL):
-            self._tell("pieces of one hinge are marked differently; the first one counts", name)
-        kind = self.frame.kinds[crease.edges[0]]
+            leading = self._longest(crease)
+            counts = f"pieces of one hinge are marked differently; {self.frame.told([leading])} counts, the most of it"
+            self._tell(counts, name)
+            own = self.frame.angles[leading]
+            given = [] if own is None else [own]
+        kind = self.frame.kinds[leading]
         sign = {"M": -1.0, "V": 1.0}.get(kind, 0.0)
         if given and (given[0] or self.start or not sign):
             if given[0] * sign < 0.0:
@@ -120,6 +125,16 @@ class Hinges:
             degrees = f"{math.degrees(REST):g}"
             self._tell(f"no fold angle; M rests at -{degrees} degrees, V at {degrees}", name)
         return sign != 0.0 or kind != "U", sign * REST
+
+    def _longest(self, crease: Crease) -> int:
+        """An edge that is marked as most of a hinge is."""
+        lengths: dict[tuple[str, float | None], float] = {}
+        for k in crease.edges:
+            mark = self.frame.kinds[k], self.frame.angles[k]
+            a, b = self.frame.edges[k]
+            lengths[mark] = lengths.get(mark, 0.0) + math.dist(self.frame.vertices[a], self.frame.vertices[b])
+        most = max(lengths, key=lambda mark: lengths[mark])
+        return next(k for k in crease.edges if (self.frame.kinds[k], self.frame.angles[k]) == most)
 
     def _tell(self, what: str, name: str) -> None:
         self._told.setdefault(what, []).append(name)

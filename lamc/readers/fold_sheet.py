@@ -222,9 +222,22 @@ class _Sheet:
         beside = beside_edges(faces, self.frame.edges)
         joined = joined_edges(self.frame, beside, self.notes)
         if not self.frame.own:
+            self._tell_of_angles()
             self._lock(joined)
         corners = [{v: self.points[v, :2] for v in face} for face in faces]
         return _Facets(faces, beside, joined, corners, {})
+
+    def _tell_of_angles(self) -> None:
+        """Angles of edges along which facets hold together."""
+        angles = self.frame.angles
+        level = [
+            k for k, kind in enumerate(self.frame.kinds) if kind in "FJ" and abs(angles[k] or 0.0) > _TURNED
+        ]
+        if level:
+            self.notes.append(
+                f"{self.frame.told(level)}: the fold angle is left out, as edges marked F or J do not fold; mark M, V "
+                "or U"
+            )
 
     def _lock(self, joined: list[int]) -> None:
         """Facets stay one body along creases that cannot fold."""

@@ -195,6 +195,28 @@ def test_folded_lines_and_too_many_stay_refused(tmp_path: Path) -> None:
         lamc.load(tmp_path / "many.fold")
 
 
+def test_an_angle_of_an_edge_that_does_not_fold_is_told(tmp_path: Path) -> None:
+    data = corpus.folded_pair(0.0)
+    del data["faces_vertices"]
+    data["vertices_coords"] = [place[:2] for place in data["vertices_coords"]]
+    data["edges_assignment"][1] = "J"
+    data["edges_foldAngle"] = [None, 70, *[None] * 5]
+    with pytest.warns(DesignWarning, match="edge 1: the fold angle is left out"):
+        lamc.load(corpus.write(tmp_path / "pair.fold", data), card=lamc.Card(), crease=1e-3)
+
+
+def test_of_a_hinge_in_pieces_the_longer_marks_count_and_are_named(tmp_path: Path) -> None:
+    """The first 6 mm are a valley of 45 degrees, the other 14 mm a mountain of 90."""
+    corners = [(0, 0), (20, 0), (20, 20), (0, 20)]
+    rim = [(a, b, "B", None) for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
+    data = lines([*rim, ((10, 0), (10, 6), "V", 45), ((10, 6), (10, 20), "M", -90)])
+    with pytest.warns(DesignWarning, match="pieces of one hinge are marked differently; edge 5 counts"):
+        made = lamc.load(corpus.write(tmp_path / "pair.fold", data), card=lamc.Card(), crease=1e-3)
+    assert isinstance(made, Mechanism)
+    (joint,) = made.joints
+    assert abs(joint.rest_angle) == pytest.approx(np.pi / 2)
+
+
 def test_scribbles_are_refused_before_all_their_crossings_are_found(tmp_path: Path) -> None:
     random = np.random.default_rng(2)
     data = {

@@ -178,6 +178,28 @@ def test_shapes_are_outlines() -> None:
     assert (meets.closed, len(meets.points)) == (True, 3)
 
 
+def test_a_symbol_draws_nothing_where_it_stands_and_needs_no_word() -> None:
+    found = drawn(f'<symbol id="s">{LINE}</symbol><use href="#s"/>')
+    assert len(found.strokes) == 1
+    assert not any("no shape" in note for note in found.notes)
+
+
+def test_animation_within_a_shape_is_told() -> None:
+    found = drawn('<line x2="10" stroke="red"><animate attributeName="x2" to="20"/></line>')
+    assert any("is animation and is not played" in note for note in found.notes)
+
+
+def test_a_stroke_that_is_transparent_is_none() -> None:
+    found = drawn(f'<path d="M0 0H10V10Z" stroke="transparent" fill="none"/>{LINE}')
+    assert len(found.strokes) == 1
+    assert any("it has neither stroke nor fill" in note for note in found.notes)
+
+
+def test_an_opacity_that_is_no_number_is_told() -> None:
+    found = drawn('<line x2="10" stroke="red" stroke-opacity="much"/>')
+    assert any("has the stroke-opacity 'much', which is no number" in note for note in found.notes)
+
+
 def test_curves_are_flat_within_the_tolerance_that_is_told() -> None:
     """A chord's middle is off the circle by less than 10 um, and by less than 5e-5 of the drawing's size."""
     for body, radius in (

@@ -90,7 +90,13 @@ def _chosen(drawing: Drawing, layer: str | None, roles: frozenset[Role], what: s
         layers = sorted({stroke.layer for stroke in drawing.strokes if stroke.layer})
         if layer not in layers:
             named = f"its layers are {listed_names(layers)}" if layers else "it has none"
-            raise DesignError(f"the drawing has no layer {layer[:60]!r}; {named}")
+            alike = [name for name in layers if name.lower() == layer.lower()]
+            hint = (
+                f"; did you mean {alike[0]!r}?"
+                if alike
+                else ", and layers that are off or frozen are not read"
+            )
+            raise DesignError(f"the drawing has no layer {layer[:60]!r}; {named}{hint}")
         drawn = [stroke for stroke in drawn if stroke.layer == layer]
     found = [stroke for stroke in drawn if stroke.role in roles]
     if not found and layer is not None:

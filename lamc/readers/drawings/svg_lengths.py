@@ -119,6 +119,11 @@ def scale_of(document: Document, units: str | None) -> Scale:
         unit = to_si(f"1 {units}", LENGTH)
         return Scale(unit, unit, "")
     box = view_box(root)
+    if box is None and root.get("viewBox").strip():
+        raise root.error(
+            f"{root.source} has viewBox={root.get('viewBox')[:40]!r}; it must be four numbers, the last two above 0 "
+            "(--units mm takes a number for a millimetre without it)"
+        )
     sizes = [_size(root, name) for name in ("width", "height")]
     px, note = _px(document)
     metres = [
@@ -145,7 +150,7 @@ def _size(root: Element, name: str) -> tuple[float, str] | None:
     found = _LENGTH.match(text)
     if not text.strip() or text.strip() == "auto" or (found and found[2] == "%"):
         return None
-    if not found or found[2].lower() not in _PX or not abs(float(found[1])) < LARGEST:
+    if not found or found[2].lower() not in _PX or not 0.0 <= float(found[1]) < LARGEST:
         raise root.error(f"{root.source} has {name}={text[:40]!r}; it must be a length such as 10 or 10mm")
     return float(found[1]), found[2].lower()
 

@@ -5,6 +5,7 @@ In: an element's declarations, and the style of what it lies in. Out: a `Style`.
 
 from dataclasses import dataclass, replace
 
+from lamc.basics.checks import shown
 from lamc.readers.drawings.colours import Colour, colour_of
 from lamc.readers.drawings.notes import Notes
 from lamc.readers.drawings.svg_css import Declarations
@@ -46,20 +47,28 @@ def styled(element: Element, above: Style, declared: Declarations, notes: Notes)
         if said.get(name, "none").lower() != "none":
             notes.add(f"is drawn whole, its {name} is not applied", element.source)
     said = {name: value for name, value in said.items() if value.lower() != "inherit"}
-    style = replace(above, opacity=above.opacity * _share(said.get("opacity", "1"), 1.0))
+    for name in ("opacity", "stroke-opacity"):
+        if name in said and _share(said[name]) is None:
+            notes.add(
+                f"has the {name} {shown(said[name][:40])}, which is no number and says nothing",
+                element.source,
+            )
+    share = _share(said.get("opacity", "1"))
+    style = replace(above, opacity=above.opacity * (1.0 if share is None else share))
     color = _paint(said.get("color", ""), above.color)
     if color is not None:
         style = replace(style, color=color)
     if "stroke" in said:
         stroke = _paint(said["stroke"], style.color)
-        unread = said["stroke"] if stroke is None and said["stroke"].lower() != "none" else ""
+        unread = said["stroke"] if stroke is None and said["stroke"].lower() not in _NO_PAINT else ""
         paint, alpha = stroke if stroke is not None else (None, 1.0)
         style = replace(style, stroke=paint, stroke_alpha=alpha, unread=unread)
     if "fill" in said:
         fill = _paint(said["fill"], style.color)
         style = replace(style, fill=fill[0] if fill is not None else None)
-    if "stroke-opacity" in said:
-        style = replace(style, stroke_opacity=_share(said["stroke-opacity"], style.stroke_opacity))
+    of_stroke = _share(said["stroke-opacity"]) if "stroke-opacity" in said else None
+    if of_stroke is not None:
+        style = replace(style, stroke_opacity=of_stroke)
     if "visibility" in said:
         style = replace(style, is_visible=said["visibility"].lower() == "visible")
     if element.tag in _NAMED and element.label and element.parent is not None:
@@ -68,6 +77,7 @@ def styled(element: Element, above: Style, declared: Declarations, notes: Notes)
     return style
 
 
+_NO_PAINT = ("none", "transparent")
 _NAMED = frozenset(("g", "svg", "a", "use", "symbol"))
 
 
@@ -75,16 +85,17 @@ def _paint(text: str, current: tuple[Colour, float]) -> tuple[Colour, float] | N
     """A colour and its opacity; None for none."""
     if text.lower() == "currentcolor":
         return current
-    if text.lower().startswith("url("):  # what stands behind it is drawn where there is no such gradient
+    # What stands behind an address is drawn where there is no such gradient.
+    if text.lower() in _NO_PAINT or text.lower().startswith("url("):
         return None
     return colour_of(text) if text else None
 
 
-def _share(text: str, inherited: float) -> float:
-    """An opacity, 0 to 1; what cannot be read changes nothing, as in CSS."""
+def _share(text: str) -> float | None:
+    """An opacity, 0 to 1; None for what cannot be read, which changes nothing, as in CSS."""
     word = text.strip()
     try:
         value = float(word[:-1]) / 100.0 if word.endswith("%") else float(word)
     except ValueError:
-        return inherited
-    return min(max(value, 0.0), 1.0) if value == value else inherited
+        return None
+    return min(max(value, 0.0), 1.0) if value == value else None

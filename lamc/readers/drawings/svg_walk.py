@@ -35,6 +35,7 @@ _SILENT = frozenset(  # that draw nothing where they stand
             "radialGradient",
             "pattern",
             "marker",
+            "symbol",
         ),
         *(
             "filter",
@@ -128,6 +129,9 @@ class Walk:
             )
         own = matrix @ matrix_of(element, transform)
         if is_shape(element):
+            for child in element.children:
+                if child.tag in _TOLD:
+                    self.notes.add(_TOLD[child.tag], child.source)
             if style.is_visible:
                 yield Drawn(self._measured(element, declared), style, own, viewport, element.source)
             else:

@@ -21,6 +21,8 @@ def read_bytes(path: Path, limit: int) -> bytes:
     try:
         if path.is_dir():
             raise DesignError("this is a folder; name a file in it", place)
+        if path.is_symlink() and not path.exists():
+            raise DesignError(f"this is a link that leads to no file: {str(path.readlink())[:200]!r}", place)
         if not path.exists():
             raise DesignError(f"there is no such file{_nearest(path)}", place)
         if not path.is_file():

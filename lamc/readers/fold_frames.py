@@ -98,8 +98,15 @@ def _inherited(every: list[dict[str, Any]], index: int, error: Errors) -> dict[s
         parent = chain[-1].get("frame_parent", 0)
         if isinstance(parent, bool) or not isinstance(parent, int) or not 0 <= parent < len(every):
             raise error(f"frame {index} has frame_parent {shown(parent)}; frames are 0 to {len(every) - 1}")
-        if parent in seen or len(seen) > _MOST_FRAMES:
-            raise error(f"frame {index} inherits from itself, by frame {parent}: a parent must not")
+        if parent in seen:
+            ring = listed_names([str(k) for k in sorted(seen)])
+            raise error(
+                f"frame {index} inherits from itself: {ring} have one another as parents; one must have none"
+            )
+        if len(seen) > _MOST_FRAMES:
+            raise error(
+                f"frame {index} has more than {_MOST_FRAMES} parents, one behind the other: write it out"
+            )
         seen.add(parent)
         chain.append(every[parent])
     merged: dict[str, Any] = {}

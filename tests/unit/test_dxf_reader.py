@@ -4,6 +4,7 @@ import cmath
 import math
 import time
 import tracemalloc
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import lamc
 from lamc.basics.errors import DesignError, LamcError
 from lamc.readers.drawings.dxf import read_dxf
 from lamc.readers.drawings.dxf_tags import is_dxf
@@ -709,3 +711,23 @@ def test_a_layer_against_its_colour_and_a_mistyped_one_are_told() -> None:
         in notes
     )
     assert "'joint', colour" not in notes
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n".encode("utf-16"), "the file is in UTF-16"),
+        (b"0\rSECTION\r2\rENTITIES\r0\rENDSEC\r0\rEOF\r", "its lines end by CR alone"),
+    ],
+)
+def test_texts_that_no_reader_of_dxf_takes_are_named(tmp_path: Path, content: bytes, told: str) -> None:
+    path = tmp_path / "a.dxf"
+    path.write_bytes(content)
+    with pytest.raises(LamcError, match=told):
+        lamc.load(path)
+
+
+def test_a_link_to_nothing_is_told(tmp_path: Path) -> None:
+    (tmp_path / "loop.dxf").symlink_to("loop.dxf")
+    with pytest.raises(LamcError, match=r"a link that leads to no file: .loop\.dxf."):
+        lamc.load(tmp_path / "loop.dxf")

@@ -4,6 +4,7 @@ In: bytes. Out: a `Drawing`, or None for a file of another kind. The content dec
 says only what a file was meant as that is none of them.
 """
 
+import codecs
 from pathlib import PurePath
 
 from lamc.basics.errors import DesignError, Place, UnsupportedError
@@ -16,8 +17,8 @@ from lamc.records.drawing import Drawing
 _FOREIGN = (
     (
         b"\x1f\x8b",
-        "is packed by gzip (.svgz)",
-        "unpack it, gunzip -c A.svgz > A.svg, or save it as plain SVG",
+        "is packed by gzip, as .svgz is",
+        "unpack it, gunzip -c A.svgz > A.svg, or save it plain",
     ),
     (b"%PDF", "is PDF, or of Illustrator (.ai)", "save it as SVG or DXF in the program that made it"),
     (b"%!PS", "is PostScript", "save it as SVG or DXF in the program that made it"),
@@ -63,7 +64,17 @@ def drawing_in(
         from lamc.readers.drawings.dxf import read_dxf
 
         return read_dxf(data, file, options, limits)
+    if file.lower().endswith(".dxf"):
+        _check_text(data, file)
     return None
+
+
+def _check_text(data: bytes, file: str) -> None:
+    """Raises DesignError for a DXF file in a text that no reader of DXF takes."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        raise DesignError("the file is in UTF-16; DXF is in UTF-8 or a code page: save it so", Place(file))
+    if b"\r" in data and b"\n" not in data:
+        raise DesignError("its lines end by CR alone; they must end by LF or CR LF: save it so", Place(file))
 
 
 def check_meant(text: str, file: str, options: SheetOptions, limits: Limits) -> None:

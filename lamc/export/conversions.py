@@ -34,6 +34,7 @@ from lamc.records.mechanism import Array, Mechanism
 from lamc.records.scene import Scene
 from lamc.report.parameters_text import parameters_line
 
+_BENDS = "which hinges are lines along which facets bend"
 _FORCE = "--force (in Python force=True)"
 _LAYERS = "`lamc export FILE --to cut` draws each layer in a file of its own"
 
@@ -109,7 +110,7 @@ def _mechanism(record: Design | Mechanism, stem: str) -> Converted:
         lost = ["layers and materials, and lines and gaps of hinges, for effects that bend what is drawn"]
         record = split_steps(record).mechanism
     if record.facet_creases:
-        lost.append("which hinges are creases of facets")
+        lost.append(_BENDS)
     return Converted(mechanism_text(record).encode(), tuple(lost))
 
 
@@ -126,7 +127,7 @@ def _joints(record: Design | Mechanism, stem: str) -> Converted:
         assert sheet.card is not None
         made, layers, lines = record, (_card_layer(sheet.card),), {}
         if record.facet_creases:
-            lost.append("which hinges are creases of facets")
+            lost.append(_BENDS)
     lost += _lost_of_scenes(made, angles=False) + _lost_words(made, stem)
     return Converted(joints_text(made, layers, lines).encode(), tuple(lost))
 
@@ -138,7 +139,7 @@ def _lost_of_design(steps: SplitSteps) -> list[str]:
     if any(layer.material.G12 is not None for layer in steps.design.layers):
         lost.append("shear moduli")
     if steps.mechanism.facet_creases:
-        lost.append("which hinges are creases of facets")
+        lost.append(_BENDS)
     return lost
 
 
@@ -155,6 +156,8 @@ def _fold(record: Design | Mechanism, stem: str) -> Converted:
     lost = list(sheet.lost)
     if sheet.windows:
         lost.append(f"windows in facets ({len(sheet.windows)}), whose card is weighed")
+    if made.facet_creases:
+        lost.append(_BENDS)
     lost += _lost_of_scenes(made, angles=True) + ([] if not made.story else ["its story"])
     return Converted(flat_bytes(made), (*lost, *_lost_points(made)))
 

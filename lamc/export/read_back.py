@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import shapely
 from scipy.spatial import cKDTree
 
 from lamc.basics.errors import DesignError, DesignWarning
@@ -50,9 +51,8 @@ def differences(
 
 def _of_scene(drawn: Scene, found: Scene) -> list[str]:
     one, other = drawn.closure_tolerance, found.closure_tolerance
-    if (
-        one is not None and other is not None and not _differ(one, other)
-    ):  # as readers set it by the sheet's size
+    # Readers set it by the sheet's size where nobody says another.
+    if one is None or (other is not None and not _differ(one, other)):
         drawn = replace(drawn, closure_tolerance=other)
     if drawn == found:
         return []
@@ -73,12 +73,13 @@ def _unlike(drawn: Mechanism, found: Mechanism, corner: Array) -> list[str]:
         return counts
     ours, theirs = _places(drawn, np.zeros(2)), _places(found, corner)
     _, nearest = cKDTree(theirs).query(ours)
-    apart = np.abs(theirs[nearest] - ours)[:, :2].max()
+    apart = np.abs(theirs[nearest] - ours).max()
     if apart > _NEAR * drawn.size or len(set(nearest.tolist())) < len(theirs):
         return ["where its bodies are"]
     twins = [found.bodies[k] for k in nearest.tolist()]
     of = {body.name: twin.name for body, twin in zip(drawn.bodies, twins, strict=True)}
-    unlike = [b.name for b, twin in zip(drawn.bodies, twins, strict=True) if _differ(b.mass, twin.mass)]
+    moving = [(body, twin) for body, twin in zip(drawn.bodies, twins, strict=True) if not body.fixed]
+    unlike = [body.name for body, twin in moving if _differ(body.mass, twin.mass)]
     lost = [f"masses of {listed_names(unlike)}"] if unlike else []
     held = [b.name for b, twin in zip(drawn.bodies, twins, strict=True) if b.fixed and not twin.fixed]
     if held:
@@ -106,11 +107,14 @@ def _unlike(drawn: Mechanism, found: Mechanism, corner: Array) -> list[str]:
 
 
 def _places(mechanism: Mechanism, corner: Array) -> Array:
-    """Of bodies: where their centres of mass are, m, and a little of their masses, as rings about one another share a
-    centre."""
-    masses = np.array([body.mass for body in mechanism.bodies])
-    share = 1e-3 * mechanism.size * masses / (masses.max() or 1.0)
-    return np.column_stack([np.array([body.com[:2] for body in mechanism.bodies]) + corner, share])
+    """Of bodies (n, 6), m: the centre of what is drawn of each, and the box around it; rings about one another share a
+    centre, halves of a square a box."""
+    found = []
+    for body in mechanism.bodies:
+        shapes = [slab.polygon for slab in body.outline] or [shapely.Point(body.com[:2])]
+        whole = shapely.GeometryCollection(shapes)
+        found.append([*whole.centroid.coords[0], *whole.bounds])
+    return np.array(found) + np.tile(corner, 3)
 
 
 def _twin(

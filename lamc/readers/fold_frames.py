@@ -93,21 +93,21 @@ def meant(key: str) -> str | None:
 
 def _inherited(every: list[dict[str, Any]], index: int, error: Errors) -> dict[str, Any]:
     chain = [every[index]]
-    seen = {index}
+    seen = [index]
     while chain[-1].get("frame_inherit") is True:
         parent = chain[-1].get("frame_parent", 0)
         if isinstance(parent, bool) or not isinstance(parent, int) or not 0 <= parent < len(every):
             raise error(f"frame {index} has frame_parent {shown(parent)}; frames are 0 to {len(every) - 1}")
         if parent in seen:
-            ring = listed_names([str(k) for k in sorted(seen)])
+            ring = listed_names([str(k) for k in sorted(seen[seen.index(parent) :])])
             raise error(
-                f"frame {index} inherits from itself: {ring} have one another as parents; one must have none"
+                f"frame {index} has no end of parents: {ring} inherit from one another, or from themselves"
             )
         if len(seen) > _MOST_FRAMES:
             raise error(
                 f"frame {index} has more than {_MOST_FRAMES} parents, one behind the other: write it out"
             )
-        seen.add(parent)
+        seen.append(parent)
         chain.append(every[parent])
     merged: dict[str, Any] = {}
     for frame in reversed(chain):

@@ -72,7 +72,8 @@ def common_digest(mechanism: Mechanism, effects: tuple[Effect, ...]) -> bytes | 
         design = mechanism.design
         drawn = (design.layers, design.hinges, design.fixed, design.body_names)
     try:
-        return _hash(_pieces((*mechanism.bodies, *mechanism.joints, *effects, *drawn))).digest()
+        told = (*mechanism.bodies, *mechanism.joints, mechanism.facet_creases, *effects, *drawn)
+        return _hash(_pieces(told)).digest()
     except _NoTellingError:
         return None
 

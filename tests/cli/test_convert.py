@@ -284,6 +284,24 @@ def test_facets_that_bend_come_back_as_they_bent(tmp_path: Path, suffix: str) ->
     assert not any("stiff" in what for what in made.lost)
 
 
+def test_rings_of_one_centre_and_one_mass_are_told_apart() -> None:
+    """And a body that the world holds may have any mass, a sheet no scene."""
+
+    def ring(name: str, outer: float, inner: float) -> Body:
+        hole = shapely.box(-inner, -inner, inner, inner)
+        return flat_body(name, shapely.box(-outer, -outer, outer, outer).difference(hole))
+
+    far = flat_body("c", shapely.box(0.1, 0.0, 0.12, 0.02))
+    bodies = (ring("a", 0.05, 0.04), ring("b", 0.0375, 0.0225), far)
+    held = flat_body("d", shapely.box(0.12, 0.0, 0.14, 0.02), fixed=True)
+    held = replace(held, mass=0.0, com=np.zeros(3), inertia=np.zeros((3, 3)))
+    assert bodies[0].mass == pytest.approx(bodies[1].mass)
+    joint = Joint("h", "d", "c", (0.12, 0.0, 1.5e-4), (0.0, 1.0, 0.0), 2e-5, 0.0, 0.5)
+    made = converted(Mechanism((*bodies, held), (joint,), "x"), Path("x.svg"), Path("x.yaml"))
+    told = [what for what in made.lost if "its page begins" not in what]
+    assert not any("where" in what or "masses" in what or "scene" in what for what in told)
+
+
 def test_a_sheet_that_starts_folded_is_not_told_to_be_the_same(tmp_path: Path) -> None:
     source = corpus.write(tmp_path / "pair.fold", corpus.folded_pair(0.7))
     result = call(source, tmp_path / "x.svg")

@@ -24,6 +24,7 @@ from lamc.basics.errors import DesignWarning, ExportError, UnsupportedError
 from lamc.design.split import split_steps
 from lamc.export import files_of
 from lamc.export.cut import told
+from lamc.export.cuts.perforated import dashes_of
 from lamc.export.cuts.plan import difference, plan_of
 from lamc.export.options import options_from
 from lamc.readers.load import load_text
@@ -477,6 +478,8 @@ def test_a_kerf_that_would_take_all_bridges_is_refused(tmp_path: Path) -> None:
         ExportError, match=r"around \(20, 20\) mm perforations cut 0.496 mm .* takes 0.6 mm: take a longer"
     ):
         cut(sheet(corpus.waterbomb(), tmp_path), kerf="0.6 mm", hinge_style="perforated, 1 mm")
+    with pytest.raises(ExportError, match=r"one perforation would cut .* the line is too short for it"):
+        dashes_of(LineString([(0.0, 0.0), (0.35e-3, 0.0)]), 9e-3, 0.2e-3, "along hinge 'x'")
     with pytest.raises(ExportError, match=r"along hinge '.*' perforations cut .* take a longer pitch"):
         cut(example("flaps"), kerf="0.6 mm", hinge_style="perforated, 1 mm")
 
@@ -499,10 +502,11 @@ def test_lines_along_which_facets_bend_are_not_cut(tmp_path: Path) -> None:
 
 
 def test_a_width_is_as_wide_as_what_is_simulated_at_least() -> None:
-    with pytest.raises(
-        ExportError, match=r"0.01 mm is narrower than the slit of .* simulated at hinge 'left'"
-    ):
-        cut(example("flaps"), hinge_width="0.01 mm")
+    with pytest.raises(ExportError, match=r"0.001 mm is narrower than the slit of .* simulated at hinge '"):
+        cut(example("waterbomb"), hinge_width="0.001 mm")
+    # Boards that are drawn farther apart have no slit.
+    notes = json.loads(cut(example("flaps"), hinge_width="0.01 mm")["cut.json"])["notes"]
+    assert any("it cuts nothing there" in each for each in notes)
 
 
 def test_a_width_that_cuts_nothing_is_told() -> None:

@@ -272,6 +272,13 @@ def test_lines_over_one_another_in_a_heap_are_refused_before_memory_is_full(
         healed(heap, HEAL)
 
 
+def test_lines_traced_twice_are_counted_once() -> None:
+    """They are one, where they are as near as round-off; their crossings would be four times as many."""
+    ways = [line((k, -1), (k, 200)) for k in range(160)] + [line((-1, k), (200, k)) for k in range(160)]
+    traced = [Stroke(each.points + 1e-14, False, each.role) for each in ways]
+    assert len(healed([*ways, *traced], 0.0).edges) == len(healed(ways, 0.0).edges)
+
+
 def test_lines_drawn_again_and_again_are_one() -> None:
     """They do not cross, which of lines that are the same takes long to tell."""
     again = [line((0, 0), (100, 0)), line((100, 0), (0, 0))] * 60

@@ -70,6 +70,15 @@ def test_whatever_the_equations_may_depend_on_changes_it() -> None:
     assert len(set(digests)) == len(digests)
 
 
+def test_lines_along_which_facets_bend_change_it() -> None:
+    """A start leaves them flat: that of a sheet is not that of the same hinges, all of them creases."""
+    plain = mechanism()
+    bent = replace(plain, facet_creases=(plain.joints[0].name,))
+    assert digest(plain) != digest(bent)
+    scene = lamc.Scene()
+    assert module.loops_digest(plain, (), scene) != module.loops_digest(bent, (), scene)
+
+
 def test_an_array_counts_to_its_last_number(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "EFFECTS", (Sampled,))
     values = np.zeros(5000)

@@ -15,6 +15,11 @@ def dashes_of(line: LineString, pitch: float, kerf: float, where: str) -> list[L
     Raises ExportError where the kerf is as long as what a dash is to cut. where: the line is, for it."""
     count = max(1, round(line.length / pitch))
     cut = _CUT * line.length / count
+    if kerf >= cut and count == 1:
+        raise ExportError(
+            f"{where} one perforation would cut {1e3 * cut:.3g} mm of {1e3 * line.length:.3g} mm, and the kerf alone "
+            f"takes {1e3 * kerf:.3g} mm: the line is too short for it; score it, or take a finer cutter"
+        )
     if kerf >= cut:
         raise ExportError(
             f"{where} perforations cut {1e3 * cut:.3g} mm and leave as much, and the kerf alone takes "

@@ -90,7 +90,7 @@ def _check_width(steps: SplitSteps, width: float) -> None:
     """Raises ExportError where boards would stay in the slit that is simulated."""
     for hinge in steps.hinges:
         simulated = 2.0 * SLIT * hinge.properties.width
-        if width < simulated * (1.0 - SAME):
+        if width < simulated * (1.0 - SAME) and _reaches(hinge, 0.5 * simulated, steps.design):
             raise ExportError(
                 f"--hinge-width {1e3 * width:g} mm is narrower than the slit of {1e3 * simulated:g} mm that is "
                 f"simulated at hinge {hinge.name!r}: bodies would be larger than those; make it wider, leave it out, "
@@ -195,15 +195,13 @@ def _told(steps: SplitSteps, layers: Sequence[CutLayer], style: str, width: str 
 
 def _open_wider(steps: SplitSteps, half: float) -> list[str]:
     """Hinges along which no board, as it is drawn, reaches as near to the line as half of a width, m."""
-    found = []
-    for hinge in steps.hinges:
-        strip = shapely.buffer(hinge.line, half, cap_style="flat")
-        boards = [steps.design.layers[k] for k in hinge.layers if k != hinge.properties.layer]
-        if not any(
-            shapely.area(shapely.intersection(strip, b.geometry)) > _BARE * strip.area for b in boards
-        ):
-            found.append(hinge.name)
-    return found
+    return [hinge.name for hinge in steps.hinges if not _reaches(hinge, half, steps.design)]
+
+
+def _reaches(hinge: Hinge, half: float, design: Design) -> bool:
+    strip = shapely.buffer(hinge.line, half, cap_style="flat")
+    boards = [design.layers[k] for k in hinge.layers if k != hinge.properties.layer]
+    return any(shapely.area(shapely.intersection(strip, b.geometry)) > _BARE * strip.area for b in boards)
 
 
 def _is_covered(hinge: Hinge, design: Design, layers: Sequence[CutLayer]) -> bool:

@@ -67,8 +67,10 @@ def check_crossings(ends: Array) -> None:
     """Raises DesignError where lines (n, 2, 2) cross so often that more edges would come of it than are read."""
     turned = np.lexsort((ends[..., 1], ends[..., 0]), axis=1)
     ordered = np.take_along_axis(ends, turned[..., None], axis=1)
-    once = np.unique(ordered.reshape(-1, 4), axis=0)  # whether a line crosses itself takes long to tell
-    if len(crossing_pairs(shapely.linestrings(once.reshape(-1, 2, 2)), MOST_EDGES)[0]) > MOST_EDGES:
+    # Of lines drawn again one will do; that they do not cross one another takes long to tell.
+    grid = NEAR * (float(np.ptp(ends.reshape(-1, 2), axis=0).max()) if len(ends) else 0.0) or 1.0
+    _, once = np.unique(np.round(ordered.reshape(-1, 4) / grid), axis=0, return_index=True)
+    if len(crossing_pairs(shapely.linestrings(ends[once]), MOST_EDGES)[0]) > MOST_EDGES:
         raise _too_many()
 
 

@@ -92,9 +92,7 @@ def _chosen(drawing: Drawing, layer: str | None, roles: frozenset[Role], what: s
             named = f"its layers are {listed_names(layers)}" if layers else "it has none"
             alike = [name for name in layers if name.lower() == layer.lower()]
             hint = (
-                f"; did you mean {alike[0]!r}?"
-                if alike
-                else ", and layers that are off or frozen are not read"
+                f"; did you mean {alike[0]!r}?" if alike else ", and layers that are not shown are not read"
             )
             raise DesignError(f"the drawing has no layer {layer[:60]!r}; {named}{hint}")
         drawn = [stroke for stroke in drawn if stroke.layer == layer]

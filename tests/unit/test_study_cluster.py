@@ -44,7 +44,12 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, Callable[..., Process]]]:
     finally:
         for process in processes:
             process.terminate()
-            process.wait()
+        for process in processes:
+            try:
+                process.wait(10.0)
+            except subprocess.TimeoutExpired:  # a nanny whose scheduler has gone waits for it
+                process.kill()
+                process.wait()
 
 
 def _wait(ready, seconds: float = 60.0) -> None:

@@ -1,8 +1,9 @@
 """Points worked on by a Dask cluster, on however many machines.
 
 In: a pickled `Subject`, points, the address of a scheduler. Out: their rows as they come. Each machine compiles once,
-into its own cache. Points of a worker that is gone are given to another; a point with which several have gone is a row
-that says so. Every machine needs this version of lamc. Never: imports Dask unless a scheduler is named.
+into its own cache. Points of a worker that is gone are given to another. A point with which several have gone, and
+again several when nothing else was handed over, is a row that says so. Every machine needs this version of lamc.
+Never: imports Dask unless a scheduler is named.
 """
 
 import pickle
@@ -35,18 +36,24 @@ def clustered(subject: bytes, measures: int, source: Source, scheduler: str) -> 
     with _client(dask.Client, scheduler) as client:
         slots, size = _slots(client), 1
         waiting: list[list[Point]] = []
-        running: dict[str, list[Point]] = {}
+        suspects: list[Point] = []
+        running: dict[str, tuple[list[Point], bool]] = {}  # chunks, and whether nothing else was handed over
         done = dask.as_completed(loop=client.loop, raise_errors=False)
+
+        def submit(chunk: list[Point], *, alone: bool) -> None:
+            future = client.submit(worked, subject, chunk, pure=False)
+            running[future.key] = chunk, alone
+            done.add(future)
 
         def fill() -> None:
             while len(running) < 2 * slots and (chunk := waiting.pop() if waiting else source.take(size)):
-                future = client.submit(worked, subject, chunk, pure=False)
-                running[future.key] = chunk
-                done.add(future)
+                submit(chunk, alone=False)
+            if suspects and not running:
+                submit([suspects.pop()], alone=True)
 
         fill()
         for future in done:
-            chunk = running.pop(future.key)
+            chunk, was_alone = running.pop(future.key)
             failure = None if future.status == "finished" else future.exception()
             if failure is None:
                 rows, spent = future.result()
@@ -56,6 +63,10 @@ def clustered(subject: bytes, measures: int, source: Source, scheduler: str) -> 
                 raise failure
             elif len(chunk) > 1:
                 waiting += [[point] for point in chunk]
+            elif (
+                not was_alone
+            ):  # Dask blames all that a worker had been given: which one it was is seen by itself
+                suspects.append(chunk[0])
             else:
                 reason = "the workers that it was given to died"
                 yield without_values(chunk[0][0], DIED, reason, measures)

@@ -187,10 +187,10 @@ def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: 
 
 
 def _options(sheet: CreasedSheet, corner: Array) -> SheetOptions:
-    """What the drawing does not say; its places count from a corner, m."""
+    """What the drawing does not say; its places count from a corner, m. Its lines meet: healing would close slivers."""
     x, y = (point_of(sheet) - corner).tolist()
     facets: Facets = "bend" if sheet.mechanism.facet_creases else "rigid"
-    return SheetOptions(fixed=(x, y), card=sheet.card, crease=crease_of(sheet), facets=facets)
+    return SheetOptions(fixed=(x, y), card=sheet.card, crease=crease_of(sheet), facets=facets, heal=0.0)
 
 
 def _words(options: SheetOptions) -> str:
@@ -202,7 +202,7 @@ def _words(options: SheetOptions) -> str:
         words.append(f"--crease {options.crease!r}")
     assert isinstance(options.fixed, tuple)
     x, y = options.fixed
-    return " ".join([*words, f"--fixed '{x!r}, {y!r}'", f"--facets {options.facets}"])
+    return " ".join([*words, f"--fixed '{x!r}, {y!r}'", f"--facets {options.facets}", "--heal 0"])
 
 
 def _svg(lines: list[CutLine], name: str) -> bytes:

@@ -41,6 +41,7 @@ def differences(
                 card=options.card,
                 crease=options.crease,
                 facets=options.facets,
+                heal=options.heal,
                 large=True,
             )
         except DesignError as error:

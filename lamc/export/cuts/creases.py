@@ -137,5 +137,6 @@ def lost_in_drawing(sheet: CreasedSheet, lines: Sequence[CutLine]) -> list[str]:
     bent = sum(edge.joint is not None and not _is_crease(sheet, edge.joint) for edge in sheet.edges)
     flats = sum(line.pen == ROLES["flat"] for line in lines) - bent
     if flats:
-        lost.append(f"what the {flats} lines inside of bodies were drawn as: they are flat")
+        lines_were = "a line inside of a body was" if flats == 1 else f"{flats} lines inside of bodies were"
+        lost.append(f"what {lines_were} drawn as: flat here")
     return lost

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
+import numpy.typing as npt
 import shapely
 from shapely import STRtree
 
@@ -23,9 +24,10 @@ NEAR = 1e-9  # of the drawing's size: places that are nearer are one
 _GRID = 1e-12
 # A facet takes a millisecond or so from the file to its body; the largest pattern of public collections has 5100 edges.
 MOST_FACETS = 10_000
-_AT_ONCE = 500  # lines whose crossings are looked for
+AT_ONCE = 1_000_000  # pairs of lines that one query may look at: two seconds, where all cross
 Edge = tuple[int, int]
 Face = tuple[int, ...]
+Indices = npt.NDArray[np.int64]
 
 
 def check_count(count: int, what: str, *, large: bool) -> None:
@@ -135,26 +137,29 @@ def check_planar(points: Array, edges: Sequence[Edge], number: Callable[[int], i
                 if near
                 else f"vertex {vertex} at {_at(points[vertex])} lies on edge {number(edge)}: part the edge there"
             )
-    crossing = _first_crossing(lines)
-    if crossing is not None:
-        a, b = crossing
+    first, second = crossing_pairs(lines, 0)
+    if len(first):
+        a, b = min(zip(first.tolist(), second.tolist(), strict=True))
         where = shapely.get_coordinates(shapely.intersection(lines[a], lines[b]))[0]
         raise DesignError(
             f"edges {number(a)} and {number(b)} cross at {_at(where)}: put a vertex there, or list faces_vertices"
         )
 
 
-def _first_crossing(lines: Array) -> tuple[int, int] | None:
-    """The first two lines that cross. Of scribbles there are as many as pairs, so only some lines are asked at once."""
-    tree = STRtree(lines)
-    for start in range(0, len(lines), _AT_ONCE):
-        first, second = tree.query(lines[start : start + _AT_ONCE], predicate="crosses")
-        pairs = [
-            pair for pair in zip((first + start).tolist(), second.tolist(), strict=True) if pair[0] < pair[1]
-        ]
-        if pairs:
-            return min(pairs)
-    return None
+def crossing_pairs(lines: npt.NDArray[np.object_], most: int) -> tuple[Indices, Indices]:
+    """Pairs of lines that cross, by index, the lower one first; no further ones once they are more than `most`."""
+    tree, step = STRtree(lines), max(1, AT_ONCE // max(1, len(lines)))
+    none = np.zeros(0, dtype=np.int64)
+    firsts, seconds, count = [none], [none], 0
+    for start in range(0, len(lines), step):
+        a, b = tree.query(lines[start : start + step], predicate="crosses")
+        once = a + start < b
+        firsts.append(a[once] + start)
+        seconds.append(b[once])
+        count += len(firsts[-1])
+        if count > most:
+            break
+    return np.concatenate(firsts), np.concatenate(seconds)
 
 
 def _at(point: Array) -> str:

@@ -15,7 +15,6 @@ from lamc.codegen import build
 from lamc.commands.inputs import Source
 from lamc.loops import work
 from lamc.readers import fold_faces
-from lamc.readers.drawings import geometry
 from lamc.records.card import SheetOptions
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus, hostile_corpus, large_corpus
@@ -122,9 +121,9 @@ def test_a_large_model_is_compiled_with_less_and_keeps_its_bits(
 @pytest.mark.parametrize(("most", "found"), [(10**9, 12), (7, 8)])
 def test_crossings_are_found_some_at_a_time(most: int, found: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """3 lines across 4: each of the one with each of the other; with a limit, no more than the query that passes it."""
-    monkeypatch.setattr(geometry, "_AT_ONCE", 14)  # two lines at a time
+    monkeypatch.setattr(fold_faces, "AT_ONCE", 14)  # two lines at a time
     level = [[(0.0, y), (5.0, y)] for y in (1.0, 2.0, 3.0)]
     upright = [[(x, 0.0), (x, 5.0)] for x in (1.0, 2.0, 3.0, 4.0)]
-    first, second = geometry.crossing_pairs(shapely.linestrings([*level, *upright]), most)
+    first, second = fold_faces.crossing_pairs(shapely.linestrings([*level, *upright]), most)
     every = [(a, b) for a in range(3) for b in range(3, 7)]
     assert sorted(zip(first.tolist(), second.tolist(), strict=True)) == every[:found]

@@ -12,8 +12,7 @@ import numpy as np
 import shapely
 from shapely import STRtree
 
-from lamc.readers.drawings.geometry import crossing_pairs
-from lamc.readers.fold_faces import NEAR, Edge
+from lamc.readers.fold_faces import NEAR, Edge, crossing_pairs
 from lamc.records.mechanism import Array
 
 _STEP = 0.25  # by which the tolerance of curves shrinks that would cross

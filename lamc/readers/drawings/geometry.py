@@ -13,11 +13,9 @@ import shapely
 from shapely import STRtree
 
 from lamc.basics.errors import DesignError
-from lamc.readers.fold_faces import Edge
+from lamc.readers.fold_faces import AT_ONCE, Edge, Indices
 from lamc.records.mechanism import Array
 
-Indices = npt.NDArray[np.int64]
-_AT_ONCE = 1_000_000  # pairs of lines that one query for crossings may look at: two seconds, where all cross
 MOST_NEAR = 4_000_000  # ends beside one another or beside lines: those of a heap are pairs of each with each
 _PARALLEL = 1e-6  # of the product of lengths: lines at a smaller angle do not meet in any useful place
 
@@ -117,7 +115,7 @@ def gathered(points: Array, weight: Indices, near: float, may_join: Callable[[in
 
 def _pairs_within(tree: STRtree, dots: npt.NDArray[np.object_], near: float) -> tuple[Indices, Indices]:
     """Dots and what of the tree is within reach of them, by index. Raises DesignError for very many."""
-    step = max(1, _AT_ONCE // max(1, len(tree)))
+    step = max(1, AT_ONCE // max(1, len(tree)))
     firsts, seconds, count = [np.zeros(0, dtype=np.int64)], [np.zeros(0, dtype=np.int64)], 0
     for start in range(0, len(dots), step):
         a, b = tree.query(dots[start : start + step], predicate="dwithin", distance=near)
@@ -129,22 +127,6 @@ def _pairs_within(tree: STRtree, dots: npt.NDArray[np.object_], near: float) -> 
                 f"more than {MOST_NEAR} ends and lines lie within {1e6 * near:.3g} um of one another, so that many are "
                 "drawn over one another; draw each once, or heal with less"
             )
-    return np.concatenate(firsts), np.concatenate(seconds)
-
-
-def crossing_pairs(lines: npt.NDArray[np.object_], most: int) -> tuple[Indices, Indices]:
-    """Pairs of lines that cross, by index, the lower one first; no further ones once they are more than `most`."""
-    tree, step = STRtree(lines), max(1, _AT_ONCE // max(1, len(lines)))
-    none = np.zeros(0, dtype=np.int64)
-    firsts, seconds, count = [none], [none], 0
-    for start in range(0, len(lines), step):
-        a, b = tree.query(lines[start : start + step], predicate="crosses")
-        once = a + start < b
-        firsts.append(a[once] + start)
-        seconds.append(b[once])
-        count += len(firsts[-1])
-        if count > most:
-            break
     return np.concatenate(firsts), np.concatenate(seconds)
 
 

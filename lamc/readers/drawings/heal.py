@@ -15,17 +15,15 @@ import shapely
 
 from lamc.basics.errors import DesignError
 from lamc.readers.drawings.geometry import (
-    Indices,
     Segments,
     crossing,
-    crossing_pairs,
     drawn,
     gathered,
     meeting,
     near_pairs,
 )
 from lamc.readers.drawings.telling import names_of
-from lamc.readers.fold_faces import NEAR, Edge
+from lamc.readers.fold_faces import NEAR, Edge, Indices, crossing_pairs
 from lamc.records.drawing import ROLES, Mend, Role, Stroke
 from lamc.records.mechanism import Array
 

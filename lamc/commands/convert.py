@@ -29,5 +29,5 @@ def convert(source: Source, target: str, terminal: Terminal, *, force: bool) -> 
         lines.append(f"options   {made.again}: with these lamc reads {read_so}")
     terminal.say("\n".join(lines))
     data = {"ok": True, "file": str(path), "bytes": len(made.content), "lost": list(made.lost)}
-    terminal.result({**data, "options": made.again})
+    terminal.result({**data, "options": made.again, "same": made.same})
     return 0

@@ -4,20 +4,19 @@ In: the sheet's mechanism, the drawing, options that say what it does not. Out: 
 is the same device. Never: compares names, or how high a sheet lies.
 """
 
-import tempfile
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import shapely
 from scipy.spatial import cKDTree
 
 from lamc.basics.errors import DesignError, DesignWarning
-from lamc.readers.load import load
+from lamc.readers.drawings.reading import drawing_in
+from lamc.readers.drawings.sheet import sheet_of
+from lamc.readers.inert import DEFAULT_LIMITS
 from lamc.records.card import SheetOptions
-from lamc.records.design import Design
 from lamc.records.mechanism import Array, Joint, Mechanism
 from lamc.records.network import listed_names
 from lamc.records.scene import Scene
@@ -30,23 +29,15 @@ def differences(
     drawn: Mechanism, content: bytes, suffix: str, options: SheetOptions, corner: Array
 ) -> list[str]:
     """corner: (2,), m, from which places of the drawing count."""
-    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+    file = f"drawing{suffix}"
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore", DesignWarning)
-        path = Path(folder) / f"drawing{suffix}"
-        path.write_bytes(content)
         try:
-            found = load(
-                path,
-                fixed=options.fixed,
-                card=options.card,
-                crease=options.crease,
-                facets=options.facets,
-                heal=options.heal,
-                large=True,
-            )
+            drawing = drawing_in(content, file, options, DEFAULT_LIMITS)
+            assert drawing is not None  # it was written as one
+            found = sheet_of(drawing, replace(options, large=True))
         except DesignError as error:
             return [f"the device: lamc does not read the drawing: {error.message}"]
-    assert not isinstance(found, Design)  # drawings hold sheets
     return [*_unlike(drawn, found, corner), *_of_scene(drawn.scene or Scene(), found.scene or Scene())]
 
 

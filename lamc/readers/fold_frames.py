@@ -93,13 +93,13 @@ def meant(key: str) -> str | None:
 
 def _inherited(every: list[dict[str, Any]], index: int, error: Errors) -> dict[str, Any]:
     chain = [every[index]]
-    seen = [index]
+    seen = {index: None}  # in their order
     while chain[-1].get("frame_inherit") is True:
         parent = chain[-1].get("frame_parent", 0)
         if isinstance(parent, bool) or not isinstance(parent, int) or not 0 <= parent < len(every):
             raise error(f"frame {index} has frame_parent {shown(parent)}; frames are 0 to {len(every) - 1}")
         if parent in seen:
-            ring = listed_names([str(k) for k in sorted(seen[seen.index(parent) :])])
+            ring = listed_names([str(k) for k in sorted(list(seen)[list(seen).index(parent) :])])
             raise error(
                 f"frame {index} has no end of parents: {ring} inherit from one another, or from themselves"
             )
@@ -107,7 +107,7 @@ def _inherited(every: list[dict[str, Any]], index: int, error: Errors) -> dict[s
             raise error(
                 f"frame {index} has more than {_MOST_FRAMES} parents, one behind the other: write it out"
             )
-        seen.append(parent)
+        seen[parent] = None
         chain.append(every[parent])
     merged: dict[str, Any] = {}
     for frame in reversed(chain):

@@ -45,6 +45,9 @@ class Hinges:
         self.crease, self.own = crease, own
         self.notes: list[str] = []
         self._told: dict[str, list[str]] = {}
+        self._mixed: dict[
+            str, int
+        ] = {}  # hinges whose pieces are marked differently, and the edge that counts
 
     def joints(
         self,
@@ -70,6 +73,12 @@ class Hinges:
             self.notes.append(
                 f"creases are taken to have {CREASE:g} N*mm/rad for each mm (--crease '{CREASE:g} N*mm/mm/rad' says "
                 "another)"
+            )
+        if self._mixed:
+            counting = self.frame.told(list(self._mixed.values()))
+            self.notes.append(
+                f"{listed_names(list(self._mixed))}: pieces of one hinge are marked differently; {counting} "
+                f"{'counts' if len(self._mixed) == 1 else 'count'}, as most of it is marked"
             )
         self.notes += [f"{listed_names(found)}: {what}" for what, found in self._told.items()]
         return joints
@@ -109,8 +118,7 @@ class Hinges:
         given = [angle for k in crease.edges if (angle := self.frame.angles[k]) is not None]
         if len(kinds) > 1 or (given and max(given) - min(given) > _SMALL):
             leading = self._longest(crease)
-            counts = f"pieces of one hinge are marked differently; {self.frame.told([leading])} counts, the most of it"
-            self._tell(counts, name)
+            self._mixed[name] = leading
             own = self.frame.angles[leading]
             given = [] if own is None else [own]
         kind = self.frame.kinds[leading]

@@ -34,8 +34,8 @@ FEW_ROUNDS = 2  # from the vectors of a matrix nearby
 BEYOND = 2.0  # times the largest that is looked for: blocks reach so far; a round leaves a quarter of what is beyond
 CLOSE = 3.0  # times its neighbour: beyond what is looked for, such a value is not known well enough to be told from it
 WEAK = 2e-2  # of the largest singular value: in large matrices, smaller ones are looked for; no misfit's are larger
-FARTHER = 10.0  # times as large are values that are looked for next
 EXACT = 1e-11  # likewise: below it a closure matrix has round-off only
+FARTHER = 10.0  # times as large are values that are looked for next
 # Rows that hold something: of more, to tell hundreds of weak directions near flat takes half a second.
 FEW_ROWS = 700
 NOTHING = (

@@ -103,8 +103,7 @@ def linkage() -> lamc.Simulator:
 def test_what_is_asked_of_a_simulator_is_decomposed_on_one_thread(
     ask: Callable[[lamc.Simulator], object], linkage: lamc.Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Of a sheet of 700 hinges, five decompositions for the notes took a minute beside other work on two processors,
-    and a third of a second so."""
+    """Threads that share them wait for one another beside other work, of sheets of hundreds of hinges for long."""
     met: list[int] = []
 
     def watched(name: str) -> None:

@@ -63,9 +63,8 @@ def clustered(subject: bytes, measures: int, source: Source, scheduler: str) -> 
                 raise failure
             elif len(chunk) > 1:
                 waiting += [[point] for point in chunk]
-            elif (
-                not was_alone
-            ):  # Dask blames all that a worker had been given: which one it was is seen by itself
+            elif not was_alone:
+                # Dask blames all that a worker had been given: which of them it was is seen by itself.
                 suspects.append(chunk[0])
             else:
                 reason = "the workers that it was given to died"

@@ -162,16 +162,13 @@ def difference(left: Body, drawn: Body, size: float) -> float:
 def _told(steps: SplitSteps, layers: Sequence[CutLayer], style: str, width: str | float) -> list[str]:
     found = []
     covered = [h.name for h in steps.hinges if _is_covered(h, steps.design, layers)]
-    if covered and not isinstance(width, str):
-        found.append(
-            f"boards reach into the gap of {listed_names(covered)}: they are cut {1e3 * width:g} mm wide, as "
-            "--hinge-width says"
+    if covered and style != CASTELLATED:
+        as_cut = (
+            "as they are simulated, a tenth of the gap wide; --hinge-width gap cuts them by the gap"
+            if isinstance(width, str)
+            else f"{1e3 * width:g} mm wide, as --hinge-width says"
         )
-    elif covered and style != CASTELLATED:
-        found.append(
-            f"boards reach into the gap of {listed_names(covered)}: they are cut as they are simulated, a tenth of the "
-            "gap wide; --hinge-width gap cuts them by the gap"
-        )
+        found.append(f"boards reach into the gap of {listed_names(covered)}: they are cut {as_cut}")
     open_wide = [] if isinstance(width, str) else _open_wider(steps, 0.5 * width)
     if open_wide:
         found.append(

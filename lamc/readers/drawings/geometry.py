@@ -16,7 +16,8 @@ from lamc.basics.errors import DesignError
 from lamc.readers.fold_faces import AT_ONCE, Edge, Indices
 from lamc.records.mechanism import Array
 
-MOST_NEAR = 4_000_000  # ends beside one another or beside lines: those of a heap are pairs of each with each
+# Ends beside one another or beside lines, 64 MB of pairs: a drawing has some for each line, a heap each with each.
+MOST_NEAR = 4_000_000
 _PARALLEL = 1e-6  # of the product of lengths: lines at a smaller angle do not meet in any useful place
 
 

@@ -218,6 +218,13 @@ def clear_of(
     that, or FARTHEST from there: of sheets of hundreds of creases, some vertices hardly fold while others do, and their
     equations are round-off. cutoff, most_open: what is no equation, and how far residuals may be open, of loops that
     fit badly."""
+    if cutoff >= FAINT:  # all that is left holds more
+        return place
+    question = ("clear of", angles.tobytes(), place.tobytes(), cutoff, most_open)
+    return geometry.lately(question, lambda: _clear_of(geometry, angles, place, cutoff, most_open)).copy()
+
+
+def _clear_of(geometry: LoopGeometry, angles: Array, place: Array, cutoff: float, most_open: float) -> Array:
     way, step, free = place - angles, OUT, geometry.linear(place).nullity(cutoff)
     for _ in range(MOST_STEPS):
         linear = geometry.linear(place)

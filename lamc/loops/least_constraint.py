@@ -27,7 +27,7 @@ GAIN = 1e-4  # of the work: a round that gains less is the last
 NOTHING = 1e-9  # of the largest form
 SAMPLES = 4  # rows by which the sizes of forms are told
 SINGULAR = 1e-14  # of the largest: forms that depend on one another are solved for all the same
-DAMPED = 1e-3  # of the diagonal: where Newton's method begins
+DAMPED = 1e-3  # of the mean of the diagonal: where Newton's method begins
 SHORTEST = 1e-3  # of a step along the cone
 # Of the size of what is asked for, where that itself leads to a corner: what is alike in two creases does not stay so.
 BESIDE = (0.0, 0.1, 0.1, 0.3, 0.3)
@@ -43,14 +43,14 @@ def least_constrained(tangents: Tangents, inertia: Array, asked: Array, fit: Fit
         return
     by_energy = np.linalg.inv(upper)  # rates are by_energy @ y, and |y|² is twice the kinetic energy
     wanted = upper @ (tangents.basis.T @ asked)
-    size, free = float(np.linalg.norm(wanted)), len(wanted)
+    size = float(np.linalg.norm(wanted))
     if not size > 0.0:
         return
     wanted = wanted / size
     cone = _Cone(tangents, np.asarray(upper), np.asarray(by_energy), fit)
     random = np.random.default_rng(20261128)
     for beside in BESIDE:
-        found = cone.arrived(_softly(cone, wanted + beside / np.sqrt(free) * random.normal(size=free)))
+        found = cone.arrived(_softly(cone, wanted + beside * cone.drawn(random)))
         if found is not None:
             rates = by_energy @ _raised(cone, wanted, found)
             yield rates / np.linalg.norm(rates)
@@ -62,12 +62,18 @@ class _Cone:
     def __init__(self, tangents: Tangents, upper: Array, by_energy: Array, fit: Fit) -> None:
         self.tangents, self.fit = tangents, fit
         self.upper, self.by_energy = upper, by_energy
-        samples = np.random.default_rng(20261127).normal(size=(SAMPLES, len(by_energy)))
+        random = np.random.default_rng(20261127)
+        samples = [np.sqrt(len(by_energy)) * self.drawn(random) for _ in range(SAMPLES)]
         squares = [np.square(self._raw(y)).sum(axis=1) for y in samples]
         sizes = np.sqrt(np.mean(squares, axis=0))
         # A form of a vertex that holds nothing on this space is round-off, and not to be made as large as the others.
         least = NOTHING * sizes.max(initial=0.0)
         self.scale = np.where(sizes > least, 1.0 / np.maximum(sizes, max(least, np.finfo(float).tiny)), 0.0)
+
+    def drawn(self, random: np.random.Generator) -> Array:
+        """A random point (d,) of length one; the same rates, whichever basis there is of them."""
+        y = self.upper @ (self.tangents.basis.T @ random.normal(size=len(self.tangents.basis)))
+        return np.asarray(y / np.linalg.norm(y))
 
     def _raw(self, y: Array) -> Array:
         return np.asarray(self.tangents.slopes(self.by_energy @ y) @ self.by_energy)
@@ -97,9 +103,10 @@ def _softly(cone: _Cone, wanted: Array) -> Array:
         for _ in range(ROUNDS):
             slopes = cone.slopes(y)
             matrix = np.eye(len(y)) + stiffness * (slopes.T @ slopes)
+            usual = np.trace(matrix) / len(matrix)  # of the diagonal, which is another in another basis
             pull = y - wanted + stiffness * (slopes.T @ cone.values(y))
             while damping < 1.0 / DAMPED:
-                tried = y - np.linalg.solve(matrix + damping * np.diag(np.diag(matrix)), pull)
+                tried = y - np.linalg.solve(matrix + damping * usual * np.eye(len(y)), pull)
                 now = _energy(cone, tried, wanted, stiffness)
                 if now < left:
                     y, left, damping = tried, now, 0.1 * damping

@@ -28,9 +28,11 @@ if TYPE_CHECKING:
 
 DENSE = 60  # columns: up to here a decomposition takes a few milliseconds, as sparse elimination does
 DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, and comes with the next steps
-BLOCK = 8  # vectors of inverse iteration, to begin with
+SEED = 20260105  # of the vectors that inverse iteration begins from
+BLOCK = 8  # vectors of inverse iteration more than values are counted
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
-FEW_ROUNDS = 2  # from the vectors of a matrix nearby
+FEW_ROUNDS = 2  # from the vectors of a matrix nearby, and where all values looked for are far below the largest of them
+FAR_BELOW = 16.0  # times smaller are such: what is beyond fades to a thousandth by a round, beside them
 BEYOND = 2.0  # times the largest that is looked for: blocks reach so far; a round leaves a quarter of what is beyond
 CLOSE = 3.0  # times its neighbour: beyond what is looked for, such a value is not known well enough to be told from it
 WEAK = 2e-2  # of the largest singular value: in large matrices, smaller ones are looked for; no misfit's are larger
@@ -56,6 +58,15 @@ def _tells(values: Array, nullity: int, most: float) -> bool:
     if len(values) <= nullity:
         return False
     return bool(values[nullity] <= most or nullity == 0 or values[nullity] > CLOSE * values[nullity - 1])
+
+
+def _eliminated(system: Any) -> Any:
+    """L and U of a symmetric sparse matrix, without pivoting. Raises RuntimeError where it is singular."""
+    from scipy.sparse.linalg import splu
+
+    hold_scipy_too()
+    options = {"SymmetricMode": True}
+    return splu(system, permc_spec="MMD_AT_PLUS_A", options=options, diag_pivot_thresh=0.0)
 
 
 class Linear:
@@ -91,6 +102,8 @@ class Linear:
         if self.is_small:
             values = self.dense[1]
             return (float(values[0]) if len(values) else 0.0) or 1.0
+        if not len(self.used):
+            return 1.0
         vector, turned = np.random.default_rng(20260104).normal(size=self.count), self.matrix.T
         for _ in range(20):
             vector = turned @ (self.matrix @ (vector / np.linalg.norm(vector)))
@@ -132,25 +145,23 @@ class Linear:
         return known
 
     def _iterated(self, most: float) -> tuple[Array, Array]:
-        """By inverse iteration of a block that grows until its largest value is beyond `most`."""
-        # No fewer are null vectors than there are more columns than rows that hold something, and most often as many as
-        # there are more than half of the rows: of the six equations of a loop in a plane, or about a point, three hold.
-        size = BLOCK + max(0, self.count - min(len(self.used), self.matrix.shape[0] // 2))
-        block, random = np.zeros((self.count, 0)), np.random.default_rng(20260105)
-        rounds = ROUNDS
+        """By inverse iteration of a block that reaches beyond `most`."""
+        block, random = np.zeros((self.count, 0)), np.random.default_rng(SEED)
+        within, few = self.about(BEYOND * most), self.about(most / FAR_BELOW)
+        rounds, size = ROUNDS, BLOCK + within
+        if within == few or self.about(most) == few:
+            rounds = FEW_ROUNDS
         if most in self._begun:
             near, vectors = self._begun[most]
             block, rounds = vectors[: 1 + int(np.count_nonzero(near <= BEYOND * most))].T, FEW_ROUNDS
-            size = block.shape[1] + BLOCK  # and some that hold what has become weak since
+            size = max(size, block.shape[1] + BLOCK)  # and some that hold what has become weak since
         while True:
             size = min(size, self.count)
             block = np.hstack([block, random.normal(size=(self.count, size - block.shape[1]))])
             for left in range(rounds, 0, -1):
                 block = np.linalg.qr(self._pushed(block, exact=left == 1))[0]
-            held = self.matrix @ block
-            triangle = np.asarray(
-                np.linalg.qr(held, mode="r")
-            )  # of the same singular values, no higher than wide
+            # Of the same singular values as what the block gives, and no higher than wide
+            triangle = np.asarray(np.linalg.qr(self._rows @ block, mode="r"))
             _, found, mixed = decomposed(triangle, full=triangle.shape[0] < size)
             values = np.concatenate([np.zeros(size - len(found)), found[::-1] / self.scale])
             block = block @ mixed[::-1].T
@@ -158,10 +169,26 @@ class Linear:
                 return values, block.T
             size, rounds = 2 * size, ROUNDS
 
+    def about(self, most: float) -> int:
+        """How many singular values are at most `most` times the largest, by J. J. Sylvester's law of inertia: of
+
+            [ s I   J^T ]
+            [ J     s I ]
+
+        as many pivots are positive as there are rows and singular values below s. It takes one elimination, without
+        pivoting: where signs are wrong, a block grows that is too small, and has cost more time that is too large."""
+        shift = most * self.scale
+        try:
+            pivots = _eliminated(self._bordered(shift, shift)).U.diagonal()
+        except RuntimeError:  # s is a singular value
+            return 0
+        return max(0, int(np.count_nonzero(pivots > 0.0)) - len(self.used))
+
     def _pushed(self, block: Array, *, exact: bool) -> Array:
         """A step of inverse iteration. Elimination without pivoting leaves 1e-10 of strong directions in weak ones;
         exact: not so, by once more what is left of the equations."""
-        given = np.vstack([block, np.zeros((len(self.used), block.shape[1]))])
+        given = np.zeros((self.count + len(self.used), block.shape[1]), order="F")  # as SuperLU takes it
+        given[: self.count] = block
         system, factors = self._system, self._factors
         found: Array = factors.solve(given)
         if exact:
@@ -176,6 +203,14 @@ class Linear:
         return np.flatnonzero(np.asarray(largest).ravel() > NOTHING)
 
     @cached_property
+    def _rows(self) -> Any:
+        """The rows that hold something, without round-off."""
+        rows = self.matrix[self.used].tocsr()
+        rows.data[np.abs(rows.data) < NOTHING] = 0.0
+        rows.eliminate_zeros()
+        return rows
+
+    @cached_property
     def _factors(self) -> Any:
         return self._factored(DAMPING)
 
@@ -184,23 +219,21 @@ class Linear:
         return self._damped_system(DAMPING)
 
     def _damped_system(self, damping: float) -> Any:
+        e = damping * self.scale
+        return self._bordered(e, -e)
+
+    def _bordered(self, left: float, right: float) -> Any:
+        """[[left I, J^T], [J, right I]] of the rows that hold something."""
         from scipy import sparse
 
-        e = damping * self.scale
-        rows = self.matrix[self.used].tocsr()
-        rows.data[np.abs(rows.data) < NOTHING] = 0.0
-        rows.eliminate_zeros()
-        left, right = sparse.eye_array(self.count), sparse.eye_array(len(self.used))
-        return sparse.block_array([[e * left, rows.T], [rows, -e * right]], format="csc")
+        rows, eye = self._rows, sparse.eye_array
+        return sparse.block_array(
+            [[left * eye(self.count), rows.T], [rows, right * eye(len(self.used))]], format="csc"
+        )
 
     def _factored(self, damping: float) -> Any:
-        from scipy.sparse.linalg import splu
-
-        hold_scipy_too()
-        system = self._system if damping == DAMPING else self._damped_system(damping)
         # It is quasi-definite: any order of elimination does, without pivoting (R. Vanderbei, 1995).
-        options = {"SymmetricMode": True}
-        return splu(system, permc_spec="MMD_AT_PLUS_A", options=options, diag_pivot_thresh=0.0)
+        return _eliminated(self._system if damping == DAMPING else self._damped_system(damping))
 
     def nullity(self, cutoff: float = EXACT) -> int:
         """How many singular values are at most `cutoff` times the largest."""

@@ -8,6 +8,7 @@ In two dimensions they are solved as binary quadratics, in more by Newton's meth
 
 import numpy as np
 
+from lamc.loops.linear import DENSE
 from lamc.loops.tangents import FEW_FREE, ROUNDS, Fit, Tangents
 from lamc.records.mechanism import Array
 
@@ -73,8 +74,8 @@ def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Arra
 
 
 def _drawn(tangents: Tangents, random: np.random.Generator, count: int) -> Array:
-    """Random points (count, d); of forms by vertices the same rates, whichever basis there is of them."""
-    if tangents.local is None:
+    """Random points (count, d); of many joints the same rates, whichever basis there is of them."""
+    if len(tangents.basis) <= DENSE:
         return random.normal(size=(count, tangents.basis.shape[1]))
     return np.asarray(random.normal(size=(count, len(tangents.basis))) @ tangents.basis)
 

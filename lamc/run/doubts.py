@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lamc.basics.threads import on_one_thread
+from lamc.loops.linear import DENSE, Linear
 
 if TYPE_CHECKING:
+    from lamc.records.mechanism import Array
     from lamc.run.result import Result
 
 _THROUGH = np.pi + 1e-6  # rad: a fold that is drawn or held flat is not beyond
 _NAMED = 4  # hinges in a line
 _ROWS = 5  # at which the rank of the closure is looked at
-_MOST = 2_000_000  # numbers in a closure's Jacobian that are looked at; a decomposition of more takes seconds
+_MOST = 8_000_000  # numbers in a closure's Jacobian that are looked at: 64 MB
 _INDEPENDENT = (
     1e-9  # of the largest singular value: above what a closed state has left of dependent equations, 1e-13
 )
@@ -92,8 +94,7 @@ def _rank_from_elsewhere(result: "Result") -> list[str]:
     for k in rows:
         state = np.hstack([result.q[k : k + 1], result.u[k : k + 1]])
         jacobian = result.motion.closures(state)[0, model.closure_count :].reshape(-1, width)
-        values = np.linalg.svd(jacobian, compute_uv=False)
-        met = max(met, int((values > _INDEPENDENT * values[0]).sum()) if len(values) else 0)
+        met = max(met, _taken_apart(jacobian).rank(_INDEPENDENT))
     if met > model.rank and not result.motion.gap:  # a misfit that is accepted has a rank of its own
         return [
             f"the loops have {met} independent equations at some of the {len(rows)} rows that were looked at, and the "
@@ -107,3 +108,11 @@ def _rank_from_elsewhere(result: "Result") -> list[str]:
         f"at the {len(rows)} rows that were looked at: the rank was taken from elsewhere; "
         "compare with a run from another start"
     ]
+
+
+def _taken_apart(jacobian: "Array") -> Linear:
+    if jacobian.shape[1] <= DENSE:
+        return Linear(jacobian)
+    from scipy import sparse  # a quarter of a second, which small mechanisms do not need
+
+    return Linear(sparse.csr_array(jacobian))

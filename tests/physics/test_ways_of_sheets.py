@@ -104,6 +104,9 @@ def test_a_start_goes_on_until_its_loops_hold_well(tmp_path: Path, monkeypatch: 
     first = weakest(beside)
     for factor, most in ((5.0, 0.05), (1e6, 0.05), (0.5, 1e-3)):
         monkeypatch.setattr("lamc.loops.branches.FAINT", factor * first)
+        monkeypatch.setattr(
+            "lamc.loops.geometry._lately", {}
+        )  # nor is the place known that another FAINT led to
         place = clear_of(geometry, flat, beside)
         assert np.abs(geometry.closure(place)[0]).max() < 1e-12
         assert geometry.linear(place).rank() == geometry.linear(beside).rank()

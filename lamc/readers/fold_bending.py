@@ -43,14 +43,14 @@ def obstacle(sheet: Mechanism) -> str:
     if not sheet.joints:
         return STILL
     tree = plan(sheet)
+    if len(sheet.joints) > MOST:
+        return ""
     # A vertex takes three freedoms at most, and a hole six: with fewer of them than that, some are left.
     closing = sum(cycle.kind.equations for cycle in geometry_of(tree).cycles)
-    if len(sheet.joints) > closing or len(sheet.joints) > MOST:
-        return ""
     try:
         loops = loops_of(tree, sheet.scene or Scene())
     except DesignError:
-        return STILL
+        return "" if len(sheet.joints) > closing else STILL
     is_flat = not any(sheet.scene.angles.values()) if sheet.scene else True
     if loops.branch_ranks and is_flat and _weakest(loops) < BARELY:
         return "rigid facets would crawl, as the drawing's rounding alone holds some of their loops"

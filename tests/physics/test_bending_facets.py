@@ -261,3 +261,20 @@ def test_facets_bend_where_rounding_alone_holds_rigid_ones(
     monkeypatch.setattr("lamc.readers.fold_bending.loops_of", lambda tree, scene: counted)
     sheet, _ = read(fold_corpus.write(tmp_path / "miura.fold", fold_corpus.miura(4, 3)), facets="rigid")
     assert ("would crawl" in obstacle(sheet)) == bends
+
+
+def test_creases_that_move_anyway_do_not_hide_those_that_crawl(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A vertex of four creases has more hinges than equations: whether something moves is not all that is asked."""
+    sheet, _ = read(fold_corpus.write(tmp_path / "vertex.fold", fold_corpus.miura(2, 2)), facets="rigid")
+    assert len(sheet.joints) == 4
+    counted = LoopCount(1, 6, 3, 1, (2.0, 1.0, 2e-8), branch_ranks=(3,), position=(0.1,) * 4)
+    monkeypatch.setattr("lamc.readers.fold_bending.loops_of", lambda tree, scene: counted)
+    assert "would crawl" in obstacle(sheet)
+
+    def refused(tree: object, scene: object) -> LoopCount:
+        raise DesignError("more free rates than branches are looked for")
+
+    monkeypatch.setattr("lamc.readers.fold_bending.loops_of", refused)
+    assert obstacle(sheet) == ""

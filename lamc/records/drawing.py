@@ -34,6 +34,7 @@ class Stroke:
     layer   the layer or group that it is on; "" for none
     source  what the file calls it, for messages: "path #fold3", "LWPOLYLINE 2F"
     full    its angle, 180 degrees, is of an opacity of 1, which lines have that say none
+    groups  names of all groups that it is in, the outermost first: a layer is of each of them
     """
 
     points: Array
@@ -43,6 +44,7 @@ class Stroke:
     layer: str = ""
     source: str = ""
     full: bool = False
+    groups: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,15 @@ from typing import Any
 import numpy as np
 
 from lamc.basics.errors import DesignError, LamcError, Place
+from lamc.readers.drawings.colours import colour_of, family_of
 from lamc.readers.drawings.dxf_repair import bare, mended, renamed
 from lamc.readers.drawings.dxf_tags import Tag, tags_of
 from lamc.readers.drawings.dxf_tags import is_dxf as is_dxf
 from lamc.readers.drawings.dxf_units import length_text, scale_of
 from lamc.readers.drawings.dxf_walk import Drawn, Walk
 from lamc.readers.drawings.roles import (
+    angle_note,
+    check_roles,
     colour_role,
     layer_angle,
     layer_role,
@@ -82,6 +85,7 @@ class _Reader:
         return Drawing(PurePath(self.file).stem, tuple(strokes), scale, tuple(self.notes), self.file)
 
     def _roles(self, drawn: list[Drawn]) -> list[Role]:
+        check_roles(self.options)
         counts = Counter((each.layer, each.colour) for each in drawn)
         roles = {(layer, colour): role_of(colour, layer, self.options) for layer, colour in counts}
         unknown = sorted(key for key, role in roles.items() if role is None)
@@ -107,6 +111,13 @@ class _Reader:
             self.notes.append(f"{lines}: {role}, by the colour; if the layer is to be {meant!r}, name it so")
         elif layer_role(layer) is not None and colour_role(colour) not in (None, role, "border"):
             self.notes.append(f"{lines}: {role}, whatever the colour (--role '{layer[:60]}=…' says another)")
+        elif role == colour_role(colour) and role != layer_role(layer):
+            taken = colour_of(colour)
+            family = family_of(taken[0]) if taken is not None else None
+            if family is not None and not family[1]:
+                self.notes.append(
+                    f"{lines}, taken for {family[0]}: {role} (--role '{colour}=…' says another)"
+                )
 
     def _strokes(
         self, drawn: list[Drawn], roles: list[Role], tolerance: float, size: float, scale: float
@@ -132,9 +143,7 @@ class _Reader:
                 angle = math.copysign(angle, -1.0 if role == "mountain" else 1.0)
                 angled[each.layer] = angle
             yield Stroke(rows * scale, each.course.closed, role, angle, each.layer, each.source)
-        for layer, angle in sorted(angled.items()):
-            degrees = f"{np.degrees(angle):.6g}"
-            self.notes.append(f"creases on layer {layer[:60]!r} rest at {degrees} degrees, as its name says")
+        self.notes += [angle_note(layer, angle) for layer, angle in sorted(angled.items())]
         if short:
             self.notes.append(f"left out: {len(short)} lines without a length (first {short[0]})")
 

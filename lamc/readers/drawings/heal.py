@@ -7,6 +7,7 @@ A crossing and an end that lies on a line are no defects: lines are parted there
 stroke are not joined with one another, but its ends: curves are flattened to pieces shorter than a large tolerance.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -276,7 +277,12 @@ class _Healer:
         """Vertices by place and edges by vertices, so that numbers do not follow the order of the file."""
         for (kept, left), where in self.doubled.items():
             roles = self.strokes[kept].role, self.strokes[left].role
+            angles = self.strokes[kept].angle, self.strokes[left].angle
             which = "" if roles[0] == roles[1] else f": {roles[0]} counts, not {roles[1]}"
+            if OUTLINES.issuperset(roles):  # a line of an outline and of a hole is of both
+                which = ""
+            elif roles[0] == roles[1] and angles[1] is not None and angles[0] != angles[1]:
+                which = f": {_degrees(angles[0])} counts, not {_degrees(angles[1])}"
             self.mends.append(Mend("doubled line", where, 0.0, self._sources((kept, left)) + which))
         used = np.unique(self.segments.pairs())
         order = used[np.lexsort((self.at[used, 1], self.at[used, 0]))]
@@ -294,6 +300,10 @@ def _groups(kept: Indices) -> list[tuple[int, list[int]]]:
     for v in np.flatnonzero(kept != np.arange(len(kept))).tolist():
         found.setdefault(int(kept[v]), []).append(v)
     return sorted(found.items())
+
+
+def _degrees(angle: float | None) -> str:
+    return "no angle" if angle is None else f"{math.degrees(angle):.6g} degrees"
 
 
 def _too_many() -> DesignError:

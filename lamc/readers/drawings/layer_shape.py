@@ -12,10 +12,11 @@ import numpy as np
 from shapely.geometry import MultiPolygon
 
 from lamc.basics.errors import DesignError
-from lamc.readers.drawings.heal import CREASES, DEFAULT, healed, size_of
+from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, healed, size_of
 from lamc.readers.drawings.loose import left_out
-from lamc.readers.drawings.outlines import material, parting
-from lamc.readers.drawings.telling import told
+from lamc.readers.drawings.material import material_of
+from lamc.readers.drawings.outlines import parting
+from lamc.readers.drawings.telling import name_of, told
 from lamc.records.design import Line
 from lamc.records.drawing import Drawing, Mend, Role, Stroke
 from lamc.records.mechanism import Array
@@ -23,6 +24,7 @@ from lamc.records.network import listed_names
 
 _ROUND = frozenset[Role]({"border", "hole", "cut"})
 _HEAL = "heal:"  # as a design says it
+_NO_WIDTH = "line that parts nothing, as it has no width"  # a slit does
 _STRAIGHT = 1e-6  # of a line's length: corners that lie so near to it are none
 
 
@@ -44,11 +46,16 @@ def shape_of(
     graph = healed(strokes, tolerance)
     kept = parting(graph.points, graph.edges)
     loose = left_out(graph, strokes, kept, tolerance, _HEAL)
-    holes = frozenset(e for e, k in zip(graph.edges, graph.strokes, strict=True) if strokes[k].role == "hole")
-    region = material(graph.points, [graph.edges[k] for k in kept], holes)
+    found = material_of(graph, strokes, kept, OUTLINES)
+    region = found.region
     if region.is_empty:
         raise DesignError(f"the lines of {_where(layer)} enclose nothing; draw closed outlines")
-    return region, (*graph.mends, *loose)
+    across = {graph.strokes[k]: k for k in reversed(found.within)}
+    whole = [
+        Mend(_NO_WIDTH, _middle(graph, k), 0.0, name_of(strokes, owner))
+        for owner, k in sorted(across.items())
+    ]
+    return region, (*graph.mends, *loose, *whole)
 
 
 def lines_of(
@@ -88,14 +95,14 @@ def _chosen(drawing: Drawing, layer: str | None, roles: frozenset[Role], what: s
     drawn = [stroke for stroke in drawing.strokes if stroke.role != "ignore"]
     if layer is not None:
         layers = sorted({stroke.layer for stroke in drawing.strokes if stroke.layer})
-        if layer not in layers:
+        if not any(layer in (stroke.layer, *stroke.groups) for stroke in drawing.strokes):
             named = f"its layers are {listed_names(layers)}" if layers else "it has none"
             alike = [name for name in layers if name.lower() == layer.lower()]
             hint = (
                 f"; did you mean {alike[0]!r}?" if alike else ", and layers that are not shown are not read"
             )
             raise DesignError(f"the drawing has no layer {layer[:60]!r}; {named}{hint}")
-        drawn = [stroke for stroke in drawn if stroke.layer == layer]
+        drawn = [stroke for stroke in drawn if layer in (stroke.layer, *stroke.groups)]
     found = [stroke for stroke in drawn if stroke.role in roles]
     if not found and layer is not None:
         found = drawn
@@ -118,6 +125,11 @@ def _corners(stroke: Stroke) -> Array:
         ):
             kept.append(here)
     return np.array([*kept, points[-1]])
+
+
+def _middle(graph: Graph, edge: int) -> tuple[float, float]:
+    x, y = graph.points[list(graph.edges[edge])].mean(axis=0).tolist()
+    return x, y
 
 
 def _tolerance(drawing: Drawing, heal: float | None) -> float:

@@ -1,4 +1,4 @@
-"""Material from outlines: what closed lines enclose, by turns where they lie within one another.
+"""Outlines in a planar graph: which edges part something, what hangs together, what it encloses.
 
 In: a planar graph, and which of its edges are outlines. Out: regions. Never: closes what is open.
 """
@@ -9,10 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from shapely import STRtree
-from shapely.geometry import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
-from lamc.design.shapes import areas
 from lamc.readers.fold_faces import Edge, rings_of
 from lamc.records.mechanism import Array
 
@@ -42,44 +40,15 @@ def islands_of(points: Array, edges: Sequence[Edge]) -> list[Island]:
 
 def nesting(islands: Sequence[Island]) -> list[int]:
     """How many other islands each lies within."""
-    return _nested(islands)[0]
-
-
-def _nested(islands: Sequence[Island]) -> tuple[list[int], list[int]]:
-    """How many other islands each lies within, and which of them is the smallest; -1: it lies within none."""
     if not islands:
-        return [], []
+        return []
     shapes = np.array([each.hull for each in islands], dtype=object)
     shapely.prepare(shapes)
     inner, outer = STRtree(shapes).query(shapely.point_on_surface(shapes), predicate="within")
     # The point of a larger island may lie in a smaller one that is amid it.
     sizes = shapely.area(shapes)
-    larger = sizes[outer] > sizes[inner]
-    inner, outer = inner[larger], outer[larger]
-    parents = np.full(len(islands), -1)
-    by_size = np.argsort(-sizes[outer], kind="stable")
-    parents[inner[by_size]] = outer[by_size]  # of several, the last one stays
-    return np.bincount(inner, minlength=len(islands)).tolist(), parents.tolist()
-
-
-def material(points: Array, edges: Sequence[Edge], holes: frozenset[Edge] = frozenset()) -> MultiPolygon:
-    """What outlines enclose, and those within them leave out, by turns.
-
-    holes  edges that bound what is taken away, whatever lies about them
-    """
-    kept = [edges[k] for k in parting(points, edges)]
-    islands = islands_of(points, kept)
-    depths, parents = _nested(islands)
-    within: dict[int, list[BaseGeometry]] = {}
-    for island, parent in zip(islands, parents, strict=True):
-        within.setdefault(parent, []).append(island.hull)
-    # Each by itself, less what lies next within it: what is at odd depth is empty, and at even depth begins anew.
-    filled = [
-        shapely.difference(_without(points, island, holes), shapely.union_all(within.get(k, [])))
-        for k, island in enumerate(islands)
-        if depths[k] % 2 == 0 and not set(island.edges) <= holes
-    ]
-    return areas(shapely.union_all(filled))
+    depths = np.bincount(inner[sizes[outer] > sizes[inner]], minlength=len(islands))
+    return [int(depth) for depth in depths]
 
 
 def hull(points: Array, edges: Sequence[Edge]) -> BaseGeometry:
@@ -92,13 +61,6 @@ def _hull(points: Array, edges: Sequence[Edge]) -> BaseGeometry:
     lines = shapely.linestrings(points[np.array(edges)])
     faces = shapely.get_parts(shapely.polygonize(lines))
     return shapely.union_all(shapely.polygons(shapely.get_exterior_ring(faces)))
-
-
-def _without(points: Array, island: Island, holes: frozenset[Edge]) -> BaseGeometry:
-    """The island's hull without those holes that touch its other outlines."""
-    own = [edge for edge in island.edges if edge in holes]
-    ring = [own[k] for k in parting(points, own)] if own else []
-    return shapely.difference(island.hull, _hull(points, ring)) if ring else island.hull
 
 
 def _blocks(edges: Sequence[Edge]) -> list[list[int]]:

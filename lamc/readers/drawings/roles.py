@@ -10,6 +10,7 @@ import math
 import re
 from functools import lru_cache
 
+from lamc.basics.errors import DesignError
 from lamc.readers.drawings.colours import colour_of, family_of
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Role
@@ -115,19 +116,27 @@ def layer_role(name: str) -> Role | None:
 def layer_angle(name: str) -> float | None:
     """rad, where creases of a layer of this name rest: the degrees at its end, "mountain_90", "fold(-45)".
 
-    A small bare number, "mountain 2", counts layers and is no angle.
+    A small bare number, "mountain 2" or "mountain-2", counts layers and is no angle.
     """
     role, found = layer_role(name), _WITH_NUMBER.match(name.strip())
     if found is None or role not in ("mountain", "valley", "hinge") or layer_name(name) in _JOINTS:
         return None
     degrees = float(found[2])
-    bare = name.strip()[-1].isdigit() and found[2][0] not in "+-"
-    if abs(degrees) > 180.0 or (bare and degrees < _FEWEST_DEGREES):
+    # A hyphen amid the name parts it from a number, as programs write spaces and number copies.
+    before = name.strip()[found.start(2) - 1]
+    signed = found[2][0] == "+" or (found[2][0] == "-" and not before.isalnum())
+    bare = name.strip()[-1].isdigit() and not signed
+    if abs(degrees) > 180.0 or (bare and abs(degrees) < _FEWEST_DEGREES):
         return None
     if role == "hinge":
         return math.radians(degrees)
     # A hyphen before the number may part it from the name or be a sign; nothing hangs on it here.
     return math.radians(-abs(degrees) if role == "mountain" else abs(degrees))
+
+
+def angle_note(layer: str, angle: float) -> str:
+    """That the name of a layer says the angle, rad, of its creases."""
+    return f"creases on layer {layer[:60]!r} rest at {math.degrees(angle):.6g} degrees, as its name says"
 
 
 def colour_role(colour: str | None) -> Role | None:
@@ -153,6 +162,20 @@ def layer_name(name: str) -> str:
         if singular in _BY_NAME or singular in _FOLDS:
             return singular
     return "body" if joined == "bodies" else joined
+
+
+def check_roles(options: SheetOptions) -> None:
+    """Raises DesignError where the user says two things of one colour or layer."""
+    said: dict[object, tuple[str, Role]] = {}
+    for name, role in (options.roles or {}).items():
+        colour = colour_of(name)
+        for key in (name.strip().casefold(), *([colour[0]] if colour is not None else [])):
+            other = said.setdefault(key, (name, role))
+            if other[1] != role:
+                raise DesignError(
+                    f"roles say two things of one colour or layer: {other[0][:40]!r} is {other[1]}, and {name[:40]!r} "
+                    f"is {role}; leave one out"
+                )
 
 
 def said_role(colour: str | None, layer: str, options: SheetOptions) -> Role | None:

@@ -16,9 +16,10 @@ from lamc.basics.errors import DesignError, LamcError, Place, warn
 from lamc.design.shapes import areas
 from lamc.readers.drawings.coarser import coarser, curves_of, is_straight
 from lamc.readers.drawings.faces import faces_within, linked
-from lamc.readers.drawings.heal import CREASES, DEFAULT, Graph, healed, size_of
+from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, healed, size_of
 from lamc.readers.drawings.loose import left_out
-from lamc.readers.drawings.outlines import hull, material, parting
+from lamc.readers.drawings.material import material_of
+from lamc.readers.drawings.outlines import hull, parting
 from lamc.readers.drawings.telling import full_notes, name_of, told
 from lamc.readers.fold_faces import Edge, check_count
 from lamc.readers.fold_file import LINK, FoldFrame
@@ -255,14 +256,14 @@ def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes:
         return [graph.edges[k] for k in kept if strokes[graph.strokes[k]].role in roles]
 
     points, holes = graph.points, of("hole")
-    drawn, cuts = of("border", "hole"), of("cut")
+    drawn, cuts, roles = of("border", "hole"), of("cut"), OUTLINES
     # More than rounding of the area, of lines that are a billionth of the size apart.
     if cuts and hull(points, drawn + cuts).area > (1.0 + 1e-6) * hull(points, drawn).area:
         notes.append(
             "no outline is drawn about all: cuts that enclose something are taken for outlines and holes"
         )
-        drawn += cuts
-    found = material(points, drawn, frozenset(holes))
+        roles = OUTLINES | {"cut"}
+    found = material_of(graph, strokes, kept, roles).region
     if found.is_empty:
         notes.append("no outline is drawn: the sheet ends where its lines enclose nothing more")
         every = [graph.edges[k] for k in kept]

@@ -105,6 +105,7 @@ class _Reader:
         if not parts:
             self.notes.add("draws nothing", drawn.source)
         found = []
+        groups = tuple(name for name, _ in drawn.style.layers)
         for k, part in enumerate(parts, 1):
             placed = part.moved(to_metres @ drawn.matrix)
             if not all(bool(np.all(np.abs(curve.reach) < LARGEST)) for curve in placed.curves):
@@ -115,7 +116,8 @@ class _Reader:
             angle = self.roles.angle(role, layer, opacity)
             rests: Role = "hinge" if angle == 0.0 else role  # neither mountain nor valley
             full = opacity == 1.0 and angle is not None and layer_angle(layer) is None
-            found.append((Stroke(_NO_POINTS, part.closed, rests, angle, layer, source, full), placed))
+            stroke = Stroke(_NO_POINTS, part.closed, rests, angle, layer, source, full, groups)
+            found.append((stroke, placed))
         return found
 
     def _flat(self, lines: Sequence[tuple[Stroke, Outline]], tolerance: float) -> tuple[Stroke, ...]:

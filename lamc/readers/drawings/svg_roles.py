@@ -8,7 +8,15 @@ from collections.abc import Sequence
 
 from lamc.readers.drawings.colours import Colour, colour_of, family_of, shown_colour
 from lamc.readers.drawings.notes import Notes
-from lamc.readers.drawings.roles import colour_role, layer_angle, layer_role, role_of, said_role
+from lamc.readers.drawings.roles import (
+    angle_note,
+    check_roles,
+    colour_role,
+    layer_angle,
+    layer_role,
+    role_of,
+    said_role,
+)
 from lamc.readers.drawings.svg_style import Style
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Role
@@ -20,9 +28,11 @@ class ShapeRoles:
     """Of one drawing; `notes` grows."""
 
     def __init__(self, options: SheetOptions, notes: Notes) -> None:
+        check_roles(options)
         self.options, self.notes = options, notes
         self._said = {name.strip().casefold() for name in options.roles or ()}
         self._seen: set[str] = set()  # colours and layers
+        self._angled: dict[str, float] = {}  # rad, by layers whose names say it
 
     def of_stroke(self, style: Style, source: str) -> tuple[Role | None, str]:
         """Role and layer of a shape with a stroke; None: it is for nothing."""
@@ -104,17 +114,23 @@ class ShapeRoles:
     def angle(self, role: Role, layer: str, opacity: float) -> float | None:
         """rad, where a crease rests; None where the drawing does not say."""
         if role == "hinge":
-            return layer_angle(layer)
+            named = layer_angle(layer)
+            if named is not None:
+                self._angled[layer] = named
+            return named
         if role not in _SIGNS:
             return None
         if opacity == 1.0:
             of_layer = layer_angle(layer)
             if of_layer is not None:
-                return abs(of_layer) * _SIGNS[role]
+                self._angled[layer] = abs(of_layer) * _SIGNS[role]
+                return self._angled[layer]
         return _SIGNS[role] * math.pi * opacity
 
     def tell(self) -> None:
-        """Notes of roles that no line has."""
+        """Notes of angles that names say, and of roles that no line has."""
+        for layer, angle in sorted(self._angled.items()):
+            self.notes.say(angle_note(layer, angle))
         colours = {colour[0] for name in self._seen if (colour := colour_of(name)) is not None}
         families = {family[0] for colour in colours if (family := family_of(colour)) is not None}
         for name in self.options.roles or ():

@@ -61,7 +61,7 @@ class Element:
     @property
     def label(self) -> str:
         """The name of a group as its user wrote it; "" for none."""
-        label = self.get("inkscape:label") or self.get("data-name")
+        label = self.get("inkscape:label") or self.get("data-name") or self.get("serif:id")
         if label:
             return label.strip()
         coded = _DOUBLED.sub("", self.get("id"))

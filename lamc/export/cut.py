@@ -14,7 +14,7 @@ from typing import Any
 
 import shapely
 from shapely import STRtree
-from shapely.geometry import LineString, Polygon
+from shapely.geometry import LineString, MultiPolygon, Polygon
 
 from lamc.basics.errors import ExportError, UnsupportedError
 from lamc.codegen.names import identifier
@@ -22,7 +22,7 @@ from lamc.design.linking import millimetres
 from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import lines_of_sheet
 from lamc.export.cuts.dxf import dxf_bytes
-from lamc.export.cuts.kerf import lines_of, offset
+from lamc.export.cuts.kerf import lines_of, narrow, offset
 from lamc.export.cuts.lines import ROLES, CutLine, bounds_of, open_line, rings_of
 from lamc.export.cuts.options import CASTELLATED, DRAWN, PERFORATED, style_of
 from lamc.export.cuts.perforated import dashes_of
@@ -138,8 +138,13 @@ def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
     rims = [line for line in lines if line.pen.name in _BORDERS]
     area = _area(rims)
     notes = []
+    pieces = MultiPolygon(_pieces(rims))
+    parts = _parts(pieces, lines)
     if options.kerf:
-        lines = [line for line in lines if line.pen.name not in _BORDERS] + _compensated(rims, options.kerf)
+        grown = _compensated(pieces, options.kerf)
+        lines = [line for line in lines if line.pen.name not in _BORDERS]
+        lines += rings_of(list(grown.geoms), ROLES["border"], ROLES["hole"])
+        notes += narrow("sheet", pieces, grown, options.kerf)
     if mechanism.facet_creases:
         notes.append(
             f"facets bend as they are: the {len(mechanism.facet_creases)} lines along which they do are not drawn"
@@ -157,7 +162,7 @@ def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
             "file": stem,
             "material": "card" if card is None else f"card of {card.density:g} kg/m3",
             "thickness": None if card is None else card.thickness,
-            "parts": sum(line.closed and line.pen.name == "border" for line in lines),
+            "parts": parts,
             "area": area,
             "mass": math.fsum(body.mass for body in mechanism.bodies),
         }
@@ -173,21 +178,37 @@ def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
 
 def _area(rims: Sequence[CutLine]) -> float:
     """m² within outlines, less holes. Raises UnsupportedError where a rim does not close."""
-    if not all(line.closed for line in rims):
-        raise UnsupportedError("two rims of the sheet meet in a corner, so that its outline is not one line")
+    loose = next((line for line in rims if not line.closed), None)
+    if loose is not None:
+        x, y = loose.points[0].tolist()
+        raise UnsupportedError(
+            f"two rims of the sheet meet at {millimetres((x, y))}, so that its outline is not one line: draw the "
+            "window clear of the rim, or across it"
+        )
     return math.fsum((-1.0 if line.pen.name == "hole" else 1.0) * Polygon(line.points).area for line in rims)
 
 
-def _compensated(rims: Sequence[CutLine], kerf: float) -> list[CutLine]:
+def _compensated(pieces: MultiPolygon, kerf: float) -> MultiPolygon:
     """Outlines outward by half of the kerf, holes inward. Raises ExportError where pieces would grow into one."""
-    pieces = _pieces(rims)
-    grown = offset(shapely.union_all(pieces), 0.5 * kerf)
-    if len(grown.geoms) < len(pieces):
+    count = len(pieces.geoms)
+    grown = offset(shapely.union_all(list(pieces.geoms)), 0.5 * kerf)
+    if len(grown.geoms) < count:
         raise ExportError(
-            f"{len(pieces)} pieces of the sheet are nearer to each other than the kerf of {1e6 * kerf:.4g} um: "
+            f"{count} pieces of the sheet are nearer to each other than the kerf of {1e6 * kerf:.4g} um: "
             f"{len(grown.geoms)} would be left; draw the gap wider, or give the kerf of a finer cutter"
         )
-    return rings_of(list(grown.geoms), ROLES["border"], ROLES["hole"])
+    return grown
+
+
+def _parts(pieces: MultiPolygon, lines: Sequence[CutLine]) -> int:
+    """How many parts come loose: what is within outlines, parted by cuts from rim to rim."""
+    cuts = [LineString(line.points) for line in lines if line.pen.name == "cut"]
+    if not cuts:
+        return len(pieces.geoms)
+    every = shapely.union_all([shapely.boundary(pieces), *cuts])
+    faces = shapely.get_parts(shapely.polygonize(shapely.get_parts(every)))
+    shapely.prepare(pieces)
+    return int(shapely.contains(pieces, shapely.point_on_surface(faces)).sum())
 
 
 def _pieces(rims: Sequence[CutLine]) -> list[Polygon]:

@@ -34,7 +34,8 @@ from lamc.readers.fold_locked import locked_creases
 from lamc.readers.fold_own import Own, own_of
 from lamc.readers.fold_start import fitted
 from lamc.records.card import Card, SheetOptions
-from lamc.records.mechanism import Body, Mechanism, Slab
+from lamc.records.mechanism import Body, Joint, Mechanism, Slab
+from lamc.records.network import listed_names
 from lamc.records.scene import Scene
 
 _LEVEL = 1e-6  # of the sheet's size: heights by which a flat drawing may differ
@@ -45,6 +46,7 @@ USUAL = 0.1  # m, the longer side of a sheet then
 OFF = 1e-3  # of the sheet's size: loops of a drawn sheet that close so far are meant to close, and paper yields more
 MOST_LOCKED = 0.5  # of the creases: beyond, what rigid facets fold is not what is drawn
 _TURNED = 1e-6  # rad: less is round-off of a flat sheet's corners
+_SIDED = 1e-2  # rad: less does not tell one side from the other, where coordinates have four digits
 
 
 def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple[Mechanism, list[str]]:
@@ -161,6 +163,8 @@ class _Sheet:
             angle = said.start_angle if said else facets.angles.get(crease.edges[0], 0.0)
             if abs(angle) > _TURNED:
                 start[joint.name] = angle
+        if not own.hinges:
+            self._tell_other_side(joints, start)
         if not joints:
             self._tell_still(facets.joined)
         name = frame.title.strip() or stem or "sheet"
@@ -173,6 +177,21 @@ class _Sheet:
             joint.name for c, joint in zip(creases, joints, strict=True) if frame.kinds[c.edges[0]] == FACET
         )
         return replace(flat, scene=scene, facet_creases=tuple(bent)), self.notes
+
+    def _tell_other_side(self, joints: Sequence[Joint], start: Mapping[str, float]) -> None:
+        """Creases that places fold to one side, and fold angles to the other."""
+        apart = [
+            joint.name
+            for joint in joints
+            if start.get(joint.name, 0.0) * joint.rest_angle < 0.0
+            and min(abs(start[joint.name]), abs(joint.rest_angle)) > _SIDED
+        ]
+        if apart:
+            degrees = np.degrees(start[apart[0]])
+            self.notes.append(
+                f"{listed_names(apart)}: the vertices are folded to the other side than the fold angle says, "
+                f"{apart[0]!r} by {degrees:.4g} degrees: the sheet starts there, and folds back through flat"
+            )
 
     def _tell_still(self, joined: Sequence[int]) -> None:
         """That nothing folds, and why, unless that is told already."""
@@ -197,7 +216,16 @@ class _Sheet:
         level = is_level(frame)
         if frame.faces is None:
             if not level:
-                raise DesignError("the sheet is folded, in three dimensions, and lists no faces_vertices")
+                spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+                if not (spread[2:] > _LEVEL * spread[0]).any():
+                    raise DesignError(
+                        "the sheet lies flat in another plane than x and y, and lists no faces_vertices, which say "
+                        "what is above: turn it into x and y, or list its faces"
+                    )
+                raise DesignError(
+                    "the sheet is folded, in three dimensions, and lists no faces_vertices: list its faces, or draw it "
+                    "flat"
+                )
             faces = faces_of(frame.vertices[:, :2], frame.edges, frame.kinds, self.notes, frame.number)
             polygons = polygons_of(points[:, :2], faces)
         elif level:

@@ -584,3 +584,73 @@ def test_a_child_to_the_right_of_its_axis_folds_the_other_way(tmp_path: Path) ->
         lines = dxf_lines(cut(lamc.Mechanism(made.bodies, (other,), "pair"))["pair.dxf"])
         assert any(name.startswith("mountain") for name, *_ in lines) == is_mountain
         assert any(name.startswith("valley") for name, *_ in lines) != is_mountain
+
+
+def drawn_sheet(folder: Path, body: str) -> lamc.Mechanism:
+    """60 mm x 20 mm, with a mountain across at x = 20 mm; more lines as SVG, y down."""
+    path = folder / "drawn.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="20mm" viewBox="0 0 60 20" fill="none">'
+        f'<rect width="60" height="20" stroke="black"/><path d="M20 0V20" stroke="red"/>{body}</svg>'
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        made = lamc.load(path, card=lamc.Card(), crease=1e-3)
+    assert isinstance(made, lamc.Mechanism)
+    return made
+
+
+def test_windows_of_a_sheet_that_the_kerf_closes_are_told_with_their_place(tmp_path: Path) -> None:
+    """As those of a laminate are."""
+    made = drawn_sheet(tmp_path, '<rect x="40" y="9.96" width="8" height="0.08" stroke="black"/>')
+    notes = told(cut(made, kerf="0.2 mm"))
+    assert any("sheet: narrower than the kerf, and not cut: (44, -10) mm" in line for line in notes)
+    assert not any("not cut" in line for line in told(cut(made, kerf="0.05 mm")))
+
+
+def test_a_crease_is_one_line_past_windows_beside_it(tmp_path: Path) -> None:
+    """Facets around a window are parted by level lines, which end on creases that nobody parted."""
+    made = drawn_sheet(tmp_path, '<circle cx="40" cy="10" r="3" stroke="black"/>')
+    lines = dxf_lines(cut(made)["drawn.dxf"])
+    (crease,) = [p for name, _, p in lines if name.startswith("mountain")]
+    assert sorted(crease[:, 1]) == pytest.approx([-20e-3, 0.0], abs=1e-15)
+    # One that another crease meets is of two pieces, which fold by themselves.
+    met = drawn_sheet(tmp_path, '<path d="M0 10H20" stroke="blue"/>')
+    assert sum(name.startswith("mountain") for name, *_ in dxf_lines(cut(met)["drawn.dxf"])) == 2
+
+
+@pytest.mark.parametrize(
+    ("body", "parts"),
+    [
+        ("", 1),
+        ('<path d="M40 0V20" stroke="lime"/>', 2),
+        ('<path d="M40 0V12" stroke="lime"/>', 1),
+        ('<path d="M40 0V20M50 0V20" stroke="lime"/>', 3),
+        ('<circle cx="40" cy="10" r="3" stroke="black"/><path d="M40 0V7" stroke="lime"/>', 1),
+        ('<circle cx="40" cy="10" r="3" stroke="black"/><path d="M40 0V7M40 13V20" stroke="lime"/>', 2),
+    ],
+)
+def test_parts_are_counted_by_what_cuts_part(tmp_path: Path, body: str, parts: int) -> None:
+    report = json.loads(cut(drawn_sheet(tmp_path, body))["cut.json"])
+    assert [layer["parts"] for layer in report["layers"]] == [parts]
+
+
+def test_perforations_keep_a_bridge_beside_a_window() -> None:
+    """Each piece of film along the line has its own dashes, as pieces of a crease of a sheet have."""
+    board = lamc.Material("board", 1000.0, is_rigid=True)
+    film = lamc.Material("film", 1000.0, is_flexible=True)
+    from lamc.records.design import HingeLine, HingeSet, Layer
+
+    window = shapely.box(8e-3, 10e-3, 12e-3, 20e-3)
+    shape = MultiPolygon([shapely.difference(shapely.box(0, 0, 20e-3, 30e-3), window)])
+    layers = tuple(Layer(n, m, 1e-4, shape) for n, m in (("board", board), ("film", film)))
+    hinge = HingeSet((HingeLine(((10e-3, 0.0), (10e-3, 30e-3)), "h"),), 2e-4, 1, (0, 1))
+    design = Design("w", layers, (hinge,), (MultiPolygon([shapely.box(0, 0, 1e-3, 1e-3)]), MultiPolygon()))
+    made = cut(design, hinge_style="perforated, 3 mm", kerf="0.1 mm")
+    dashes = [p for name, _, p in dxf_lines(made["2_film.dxf"]) if name == "2_slits"]
+    reach = sorted((1e3 * float(p[:, 1].min()) - 0.05, 1e3 * float(p[:, 1].max()) + 0.05) for p in dashes)
+    assert len(reach) == 6  # three along each piece of 10 mm
+    for low, high in ((0.0, 10.0), (20.0, 30.0)):
+        ends = [each for each in reach if low <= each[0] < high]
+        assert ends[0][0] - low == pytest.approx(high - ends[-1][1], rel=1e-6)
+        assert ends[0][0] - low == pytest.approx(10.0 / 12.0, rel=1e-6)  # a quarter of a pitch

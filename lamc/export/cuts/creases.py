@@ -6,6 +6,7 @@ sheet. What a drawing has no words for (names, stiffness, card, what is held) is
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -19,26 +20,67 @@ from lamc.records.mechanism import Array, Joint
 from lamc.records.network import listed_names
 
 _SAME = 1e-9  # relative: stiffness by length that is one
+_STRAIGHT = 1e-9  # rad: less than pieces of one line turn by where they were parted
 
 
 def lines_of_sheet(sheet: CreasedSheet, *, is_cut: bool = False) -> list[CutLine]:
     """Windows first, creases, cuts, flats, the outline last. Lines along which facets bend are flats, and left out of
     what is cut: card bends there by itself. Raises UnsupportedError for an angle that is no fold."""
     lines = [CutLine(ring, True, ROLES["hole"]) for ring in sheet.windows]
-    folds = [
-        _fold(sheet, edge) for edge in sheet.edges if edge.joint is not None and _is_crease(sheet, edge.joint)
-    ]
-    lines += sorted(folds, key=lambda line: line.pen.name)
     rim: dict[tuple[int, ...], list[Edge]] = {}
     for edge in sheet.edges:
         if edge.joint is None and not edge.inner:
             rim.setdefault(tuple(sorted(sheet.spots[v] for v in edge.ends)), []).append(edge)
-    lines += [_line(sheet, pair[0], ROLES["cut"]) for pair in rim.values() if len(pair) > 1]
+    cuts = [_line(sheet, pair[0], ROLES["cut"]) for pair in rim.values() if len(pair) > 1]
     outlines = _outlines(sheet, [pair[0] for pair in rim.values() if len(pair) == 1])
     bent = [edge for edge in sheet.edges if edge.joint is not None and not _is_crease(sheet, edge.joint)]
-    if not is_cut:
-        lines += [_line(sheet, edge, ROLES["flat"]) for edge in bent]
-    return lines + _flats(sheet, outlines) + outlines
+    flats = [] if is_cut else [_line(sheet, edge, ROLES["flat"]) for edge in bent]
+    flats += _flats(sheet, outlines)
+    folds = [
+        (edge.joint, _fold(sheet, edge))
+        for edge in sheet.edges
+        if edge.joint is not None and _is_crease(sheet, edge.joint)
+    ]
+    met = {tuple(p) for line in (*cuts, *outlines, *flats) for p in line.points.tolist()}
+    lines += sorted(_whole(folds, met), key=lambda line: line.pen.name)
+    return lines + cuts + flats + outlines
+
+
+def _whole(folds: Sequence[tuple[int, CutLine]], met: set[tuple[float, ...]]) -> list[CutLine]:
+    """Creases as they were drawn: pieces of one hinge that go on straight where nothing else that is drawn meets them
+    are one. Lines that part facets around windows end there, and are not drawn. met: places of all other lines."""
+    at: dict[tuple[float, ...], list[int]] = {}
+    for k, (_, line) in enumerate(folds):
+        for place in line.points.tolist():
+            at.setdefault(tuple(place), []).append(k)
+    lines: dict[int, CutLine] = {k: line for k, (_, line) in enumerate(folds)}
+    owner = list(range(len(folds)))  # by piece, the line that it has become a part of
+
+    for place, around in at.items():
+        if len(around) != 2 or place in met or folds[around[0]][0] != folds[around[1]][0]:
+            continue
+        first, second = (_owner(owner, k) for k in around)
+        if first == second or lines[first].pen != lines[second].pen:
+            continue
+        ends = [next(p for p in lines[k].points if tuple(p) != place) for k in (first, second)]
+        if _is_straight(ends[0], np.array(place), ends[1]):
+            lines[first] = replace(lines[first], points=np.array(ends))
+            del lines[second]
+            owner[second] = first
+    return list(lines.values())
+
+
+def _owner(owner: Sequence[int], k: int) -> int:
+    while owner[k] != k:
+        k = owner[k]
+    return k
+
+
+def _is_straight(start: Array, amid: Array, end: Array) -> bool:
+    before, after = amid - start, end - amid
+    turn = float(before[0] * after[1] - before[1] * after[0])
+    ahead = float(before @ after)
+    return ahead > 0.0 and abs(turn) <= _STRAIGHT * ahead
 
 
 def _is_crease(sheet: CreasedSheet, joint: int) -> bool:

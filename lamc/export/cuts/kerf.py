@@ -96,17 +96,23 @@ def _narrow(layer: CutLayer, grown: MultiPolygon, lines: list[LineString], kerf:
             f"{name}: {len(lines)} slits of hinges are narrower than the kerf of {_um(kerf)} and are cut once, along "
             "the hinge line; each side loses half of what the kerf is wider"
         )
-    closing = shapely.buffer(grown, -0.5 * kerf, join_style="mitre", mitre_limit=_MITRE)
     beams = shapely.buffer(shapely.union_all(lines), 0.51 * kerf)
-    filled = as_multipolygon(shapely.difference(closing, shapely.union(layer.parts, beams)))
+    return [*notes, *narrow(name, layer.parts, grown, kerf, beams)]
+
+
+def narrow(
+    name: str, parts: MultiPolygon, grown: MultiPolygon, kerf: float, but: BaseGeometry | None = None
+) -> list[str]:
+    """What the kerf does not get into of parts that were grown by half of it, and parts that it would eat. but: where
+    nothing is told."""
+    notes = []
+    closing = shapely.buffer(grown, -0.5 * kerf, join_style="mitre", mitre_limit=_MITRE)
+    known = parts if but is None else shapely.union(parts, but)
+    filled = as_multipolygon(shapely.difference(closing, known))
     places = [p.representative_point() for p in filled.geoms if p.area > _SHOWN * kerf * kerf]
     if places:
         notes.append(f"{name}: narrower than the kerf, and not cut: {_listed(places)}")
-    thin = [
-        p.representative_point()
-        for p in layer.parts.geoms
-        if shapely.is_empty(shapely.buffer(p, -0.5 * kerf))
-    ]
+    thin = [p.representative_point() for p in parts.geoms if shapely.is_empty(shapely.buffer(p, -0.5 * kerf))]
     if thin:
         notes.append(f"{name}: parts narrower than the kerf of {_um(kerf)}: {_listed(thin)}")
     return notes

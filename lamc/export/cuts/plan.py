@@ -212,9 +212,13 @@ def _is_covered(hinge: Hinge, design: Design, layers: Sequence[CutLayer]) -> boo
 
 
 def _dashes(hinge: Hinge, sizes: tuple[float, float], parts: MultiPolygon) -> list[LineString]:
-    """Cuts along the line, where there is film, bridged between them and at both ends. sizes: pitch and kerf, m."""
-    dashes = dashes_of(hinge.line, *sizes, f"along hinge {hinge.name!r}")
-    return [piece for dash in dashes for piece in _within(dash, parts)]
+    """Cuts along each piece of the line where there is film, bridged between them and at both ends. sizes: pitch and
+    kerf, m."""
+    return [
+        dash
+        for piece in _within(hinge.line, parts)
+        for dash in dashes_of(piece, *sizes, f"along hinge {hinge.name!r}")
+    ]
 
 
 def _within(line: LineString, parts: MultiPolygon) -> list[LineString]:

@@ -149,10 +149,12 @@ def _one_of_many(
     assert local is not None
     asked = [] if led is None else [led, *(led * (1.0 + ABOUT * local.random[:CORNERS]))]
     free = basis.shape[1]
-    usual_freedoms = max(1, free - len(local.joints)) if rank is None else basis.shape[0] - rank
+    usual_freedoms = max(1, free - tangents.loose - len(local.joints)) + tangents.loose
+    if rank is not None:
+        usual_freedoms = basis.shape[0] - rank
     corners: list[tuple[int, Array]] = []
     pushed = iter(()) if led is None else _pushed(geometry, angles, tangents, led, EXACTLY)
-    near = (local.nearest(basis, wanted) for wanted in [*asked, *local.random])
+    near = (local.nearest(basis, wanted) for wanted in [*asked, *(local.random * local.held)])
     for rates in itertools.chain((basis @ x for x in pushed), near):
         if rates is None:
             continue
@@ -219,9 +221,11 @@ def clear_of(
     equations are round-off. cutoff, most_open: what is no equation, and how far residuals may be open, of loops that
     fit badly."""
     if cutoff >= FAINT:  # all that is left holds more
-        return place
+        return place.copy()
     question = ("clear of", angles.tobytes(), place.tobytes(), cutoff, most_open)
-    return geometry.lately(question, lambda: _clear_of(geometry, angles, place, cutoff, most_open)).copy()
+    return geometry.lately(
+        question, lambda: _clear_of(geometry, angles, place.copy(), cutoff, most_open)
+    ).copy()
 
 
 def _clear_of(geometry: LoopGeometry, angles: Array, place: Array, cutoff: float, most_open: float) -> Array:

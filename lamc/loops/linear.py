@@ -31,8 +31,12 @@ DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, a
 SEED = 20260105  # of the vectors that inverse iteration begins from
 BLOCK = 8  # vectors of inverse iteration more than values are counted
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
-FEW_ROUNDS = 2  # from the vectors of a matrix nearby, and where all values looked for are far below the largest of them
-FAR_BELOW = 16.0  # times smaller are such: what is beyond fades to a thousandth by a round, beside them
+FEW_ROUNDS = (
+    2  # from the vectors of a matrix nearby, and where no value is near the largest that is looked for
+)
+FAR_BELOW = (
+    16.0  # times smaller is not near: beside such values, what is beyond fades to a thousandth by a round
+)
 BEYOND = 2.0  # times the largest that is looked for: blocks reach so far; a round leaves a quarter of what is beyond
 CLOSE = 3.0  # times its neighbour: beyond what is looked for, such a value is not known well enough to be told from it
 WEAK = 2e-2  # of the largest singular value: in large matrices, smaller ones are looked for; no misfit's are larger
@@ -147,21 +151,21 @@ class Linear:
     def _iterated(self, most: float) -> tuple[Array, Array]:
         """By inverse iteration of a block that reaches beyond `most`."""
         block, random = np.zeros((self.count, 0)), np.random.default_rng(SEED)
-        within, few = self.about(BEYOND * most), self.about(most / FAR_BELOW)
-        rounds, size = ROUNDS, BLOCK + within
-        if within == few or self.about(most) == few:
-            rounds = FEW_ROUNDS
+        within = self.about(BEYOND * most)
+        size, rounds = BLOCK + within, ROUNDS
         if most in self._begun:
             near, vectors = self._begun[most]
             block, rounds = vectors[: 1 + int(np.count_nonzero(near <= BEYOND * most))].T, FEW_ROUNDS
             size = max(size, block.shape[1] + BLOCK)  # and some that hold what has become weak since
+        elif self.about(most / FAR_BELOW) in (within, self.about(most)):
+            rounds = FEW_ROUNDS
         while True:
             size = min(size, self.count)
             block = np.hstack([block, random.normal(size=(self.count, size - block.shape[1]))])
             for left in range(rounds, 0, -1):
                 block = np.linalg.qr(self._pushed(block, exact=left == 1))[0]
             # Of the same singular values as what the block gives, and no higher than wide
-            triangle = np.asarray(np.linalg.qr(self._rows @ block, mode="r"))
+            triangle = np.asarray(np.linalg.qr(self._held @ block, mode="r"))
             _, found, mixed = decomposed(triangle, full=triangle.shape[0] < size)
             values = np.concatenate([np.zeros(size - len(found)), found[::-1] / self.scale])
             block = block @ mixed[::-1].T
@@ -176,11 +180,12 @@ class Linear:
             [ J     s I ]
 
         as many pivots are positive as there are rows and singular values below s. It takes one elimination, without
-        pivoting: where signs are wrong, a block grows that is too small, and has cost more time that is too large."""
+        pivoting, by which signs may be wrong: it decides on the size of a block, which grows if it was too small, and
+        on two rounds or three."""
         shift = most * self.scale
         try:
             pivots = _eliminated(self._bordered(shift, shift)).U.diagonal()
-        except RuntimeError:  # s is a singular value
+        except RuntimeError:  # a pivot is nil
             return 0
         return max(0, int(np.count_nonzero(pivots > 0.0)) - len(self.used))
 
@@ -203,9 +208,14 @@ class Linear:
         return np.flatnonzero(np.asarray(largest).ravel() > NOTHING)
 
     @cached_property
+    def _held(self) -> Any:
+        """The rows that hold something."""
+        return self.matrix[self.used].tocsr()
+
+    @cached_property
     def _rows(self) -> Any:
-        """The rows that hold something, without round-off."""
-        rows = self.matrix[self.used].tocsr()
+        """The same without round-off, which eliminations would take for entries."""
+        rows = self._held.copy()
         rows.data[np.abs(rows.data) < NOTHING] = 0.0
         rows.eliminate_zeros()
         return rows

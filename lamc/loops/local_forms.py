@@ -32,12 +32,17 @@ BACK = 30  # random directions that are tried where one leads nowhere
 class LocalForms:
     """Forms Q_c of cycles, scaled to one: joints (c, w) of each, padded by 0; matrices (c, w, w), padded by zeros.
 
-    count  n, of all joints
+    held  (n,), of all joints: those of some loop; others, as those of flaps, are free by themselves
     """
 
     joints: npt.NDArray[np.int64]
     matrices: Array
-    count: int
+    held: npt.NDArray[np.bool_]
+
+    @property
+    def count(self) -> int:
+        """n, of all joints."""
+        return len(self.held)
 
     def values(self, rates: Array) -> Array:
         """(c,): u Q u, of rates (n,)."""
@@ -55,8 +60,11 @@ class LocalForms:
 
     def nearest(self, basis: Array, rates: Array, rounds: int = ROUNDS) -> Array | None:
         """Rates (n,) of length one in the span of `basis` (n, d), orthonormal, zeros of all forms, near `rates` (n,);
-        None where Newton's method does not arrive."""
-        x = basis.T @ rates
+        None where Newton's method does not arrive. Rates that no loop holds stay beside the others as they are: among
+        its unknowns all others would fade, as forms of next to nothing are nil."""
+        within = basis @ (basis.T @ rates)
+        loose = np.where(self.held, 0.0, within)
+        x = basis.T @ (within - loose)
         length = float(np.linalg.norm(x))
         if not length > 0.0:
             return None
@@ -67,11 +75,14 @@ class LocalForms:
             missed = self.values(u)
             far = float(np.abs(missed).max())
             if far <= ARRIVED:
-                return np.asarray(u)
+                found = length * u + loose
+                return np.asarray(found / np.linalg.norm(found))
             least, fruitless = (far, 0) if far < 0.5 * least else (least, fruitless + 1)
             if fruitless == FRUITLESS:
                 return None
             x = x - _least_step(self.slopes(u) @ basis, missed, x)
+            if not self.held.all():  # round-off grows where all else fades
+                x = basis.T @ np.where(self.held, basis @ x, 0.0)
             x = x / np.linalg.norm(x)
         return None
 
@@ -125,4 +136,7 @@ def local_forms(geometry: LoopGeometry, angles: Array) -> LocalForms | None:
     for row, (own, form) in enumerate(zip(joints, matrices, strict=True)):
         padded[row, : len(own)] = own
         forms[row, : len(own), : len(own)] = form
-    return LocalForms(padded, forms, len(geometry.names))
+    in_loops = np.zeros(len(geometry.names), dtype=bool)
+    for cycle in geometry.cycles:
+        in_loops[list(cycle.joints)] = True
+    return LocalForms(padded, forms, in_loops)

@@ -72,7 +72,12 @@ class Tangents:
     @property
     def is_one_family(self) -> bool:
         """Whether so many fewer forms than free rates of a sheet leave no branch by itself."""
-        return self.local is not None and self.count + 1 < self.basis.shape[1]
+        return self.local is not None and self.count + 1 < self.basis.shape[1] - self.loose
+
+    @property
+    def loose(self) -> int:
+        """How many joints of a sheet are in no loop, as those of flaps."""
+        return 0 if self.local is None else int(np.count_nonzero(~self.local.held))
 
     def values(self, x: Array) -> Array:
         """The forms (count,) at a row (d,) of the null space."""

@@ -8,7 +8,6 @@ In two dimensions they are solved as binary quadratics, in more by Newton's meth
 
 import numpy as np
 
-from lamc.loops.linear import DENSE
 from lamc.loops.tangents import FEW_FREE, ROUNDS, Fit, Tangents
 from lamc.records.mechanism import Array
 
@@ -44,8 +43,29 @@ def binary(forms: Array, fit: Fit) -> list[tuple[Array, int]]:
 
 
 def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Array, int]]:
-    """Common zeros of forms in more unknowns, (d,) each, with the dimension of the cone that each lies on; of zeros
-    that are joined by zeros there is one, if possible near one of `preferred` (s, d)."""
+    """Common zeros of quadratic forms in more unknowns, (d,) each, with the dimension of the cone that each lies on; of
+    zeros that are joined by zeros there is one, if possible near one of `preferred` (s, d).
+
+    Rates that no form holds, as those of a flap outside all loops, go with all zeros. They are no way of their own, and
+    others are looked for without them: Newton's method would lead to them, as forms of next to nothing are nil."""
+    if tangents.local is not None:
+        held = tangents.basis[tangents.local.held]
+        zeros = [(held.T @ (held @ x), freedoms) for x, freedoms in _of_all(tangents, preferred, fit)]
+        return [(x / np.linalg.norm(x), freedoms) for x, freedoms in zeros]
+    squares, axes = np.linalg.eigh(np.einsum("kab,kcb->ac", tangents.forms, tangents.forms))
+    is_held = squares > fit.forms**2 * squares[-1]
+    held, loose = axes[:, is_held], axes[:, ~is_held].T
+    if not len(loose):
+        return _of_all(tangents, preferred, fit)
+    inner = Tangents(tangents.basis @ held, held.T @ tangents.forms @ held)
+    near = preferred @ held
+    near = near[np.linalg.norm(near, axis=1) > fit.same]
+    zeros = [(held @ x, freedoms + len(loose)) for x, freedoms in _of_all(inner, near, fit)]
+    return zeros or [(loose[0], len(loose))]
+
+
+def _of_all(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Array, int]]:
+    """The same of forms that hold all rates."""
     size = tangents.basis.shape[1]
     random = np.random.default_rng(20260103)
     is_small = size <= FEW_FREE
@@ -74,9 +94,7 @@ def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Arra
 
 
 def _drawn(tangents: Tangents, random: np.random.Generator, count: int) -> Array:
-    """Random points (count, d); of many joints the same rates, whichever basis there is of them."""
-    if len(tangents.basis) <= DENSE:
-        return random.normal(size=(count, tangents.basis.shape[1]))
+    """Random points (count, d): the same rates, whichever basis there is of them."""
     return np.asarray(random.normal(size=(count, len(tangents.basis))) @ tangents.basis)
 
 

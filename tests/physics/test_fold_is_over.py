@@ -129,6 +129,13 @@ def test_a_flap_that_swings_through_ends_no_run(tmp_path: Path) -> None:
     ended = simulator.run(t_end=10.0, until_folded=True)
     assert ended.success
     inner = {name for ring in simulator._rings for name in ring}
+    # The ways out are those of the sheet without its flap, which no form holds and which is no way by itself.
+    plain = lamc.compile(load(tmp_path, resting_flat(miura(3, 3))))
+    assert [b.freedoms for b in simulator.branches] == [b.freedoms + 1 for b in plain.branches]
+    for one, other in zip(simulator.branches, plain.branches, strict=True):
+        assert [one.rates[name] for name in sorted(inner)] == pytest.approx(
+            [other.rates[name] for name in sorted(inner)], abs=1e-6
+        )
     assert max(max(abs(ended.angle(name))) for name in inner) > 1.0  # it went on to fold
     beyond = [name for name in ended.hinges if max(abs(ended.angle(name))) > math.pi + THROUGH]
     assert beyond
@@ -178,4 +185,5 @@ def test_a_command_that_nobody_gives_a_length_ends_there_and_says_so(
     assert len(frames) == 61
     folds = [max(abs(a) for a in f["edges_foldAngle"] if a is not None) for f in frames]
     assert folds[0] < 1.0
-    assert folds[40] < 179.0 <= folds[-1]
+    # The last step may go some degrees beyond a half turn, which FOLD counts back from there.
+    assert folds[40] < 170.0 < folds[-1]

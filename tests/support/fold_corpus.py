@@ -151,3 +151,22 @@ def hypar(rings: int) -> Data:
             one, other = (here[k], here[(k + 1) % 4]) if (ring + k) % 2 else (here[(k + 1) % 4], here[k])
             _edge(data, one, other + 4, "U")
     return data
+
+
+def with_flaps(data: Data, every: int = 1) -> tuple[Data, int]:
+    """A triangle more on every so many edges of the rim, each on a crease of its own; and how many."""
+    places = np.array(data["vertices_coords"])[:, :2]
+    rim = [k for k, kind in enumerate(data["edges_assignment"]) if kind == "B"][::every]
+    vertices, edges = list(data["vertices_coords"]), list(data["edges_vertices"])
+    kinds = list(data["edges_assignment"])
+    for k in rim:
+        a, b = edges[k]
+        along = places[b] - places[a]
+        outward = np.array([-along[1], along[0]])
+        outward *= np.sign(outward @ (places[a] - places.mean(axis=0)))
+        vertices.append((0.5 * (places[a] + places[b]) + 0.3 * outward).tolist())
+        edges += [[a, len(vertices) - 1], [len(vertices) - 1, b]]
+        kinds[k] = "V"
+        kinds += ["B", "B"]
+    made = {key: value for key, value in data.items() if key not in ("faces_vertices", "edges_foldAngle")}
+    return made | {"vertices_coords": vertices, "edges_vertices": edges, "edges_assignment": kinds}, len(rim)

@@ -1,0 +1,45 @@
+"""Flaps outside all loops turn by themselves: the ways out of the flat position are those of the sheet without them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import lamc
+from lamc.loops.branches import find_branches
+from lamc.loops.geometry import LoopGeometry
+from lamc.loops.rank import count_loops
+from lamc.mechanism.plan import plan
+from lamc.records.mechanism import Mechanism
+from tests.support import fold_corpus
+
+pytestmark = pytest.mark.filterwarnings("ignore::lamc.DesignWarning")
+
+
+def sheet(folder: Path, data: fold_corpus.Data) -> Mechanism:
+    made = lamc.load(
+        fold_corpus.write(folder / "sheet.fold", data), card=lamc.Card(), crease=1e-3, facets="rigid"
+    )
+    assert isinstance(made, Mechanism)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("side", "every"), [(3, 1), (3, 5), (5, 1), (7, 4), (7, 1)]
+)  # of few joints and many, of few free rates and many
+def test_flaps_add_their_freedoms_and_nothing_else(tmp_path: Path, side: int, every: int) -> None:
+    """Newton's method led to flaps alone, beside which all forms fade: 7 x 7 facets with 28 flaps had rank 84."""
+    data, flaps = fold_corpus.with_flaps(fold_corpus.miura(side, side), every)
+    plain = count_loops(plan(sheet(tmp_path, fold_corpus.miura(side, side))))
+    flapped = sheet(tmp_path, data)
+    found = count_loops(plan(flapped))
+    assert (found.rank, found.freedoms) == (plain.rank, plain.freedoms + flaps)
+    assert min(found.branch_ranks) >= min(plain.branch_ranks)
+    # No way is one of flaps alone: on each of them something else folds.
+    geometry = LoopGeometry(plan(flapped))
+    inner = np.array(
+        [any(joint in cycle.joints for cycle in geometry.cycles) for joint in range(len(geometry.names))]
+    )
+    assert np.count_nonzero(~inner) == flaps
+    for branch in find_branches(geometry, np.zeros(len(geometry.names))):
+        assert np.abs(branch.row(geometry.names)[inner]).max() == pytest.approx(1.0)

@@ -82,7 +82,9 @@ def survey(
             _both(geometry, start, row, cutoff, steps) or _near(geometry, start, row, fit) for row in rows
         ]
         # Fewer equations than unknowns have zeros whatever the rounding, and what rounding leaves is not several.
-        generic = local.count < free or sum(branch.freedoms == 1 for branch in branches) > 1
+        # So it is of all that some form holds, whatever else is free.
+        alone = sum(branch.freedoms == local.loose + 1 for branch in branches)
+        generic = local.count < free - local.loose or alone > 1
         return Survey(ways, True, free, not generic)
     random = np.random.default_rng(20260101)
     count_of_ways = min(free, 1 if len(start) > LARGE else WALKS)

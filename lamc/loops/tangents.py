@@ -10,6 +10,7 @@ a motion for which γ has no part outside the range of J. That is a set of quadr
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -74,10 +75,21 @@ class Tangents:
         """Whether so many fewer forms than free rates of a sheet leave no branch by itself."""
         return self.local is not None and self.count + 1 < self.basis.shape[1] - self.loose
 
+    @cached_property
+    def held(self) -> Array:
+        """(d, c): orthonormal, rates in coordinates of the basis that some form holds; all others are free of each
+        other, as those of flaps outside all loops."""
+        if self.local is not None or not len(self.forms):
+            return np.eye(self.basis.shape[1])
+        squares, axes = np.linalg.eigh(np.einsum("kab,kcb->ac", self.forms, self.forms))
+        return np.asarray(axes[:, squares > EXACTLY.forms**2 * squares[-1]])
+
     @property
     def loose(self) -> int:
-        """How many joints of a sheet are in no loop, as those of flaps."""
-        return 0 if self.local is None else int(np.count_nonzero(~self.local.held))
+        """How many rates no form holds."""
+        if self.local is not None:
+            return int(np.count_nonzero(~self.local.held))
+        return int(self.basis.shape[1] - self.held.shape[1])
 
     def values(self, x: Array) -> Array:
         """The forms (count,) at a row (d,) of the null space."""

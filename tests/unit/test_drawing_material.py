@@ -122,6 +122,89 @@ def test_an_outline_drawn_twice_counts_once() -> None:
     assert material(PLATE, SLIT_DIAMOND, SLIT_DIAMOND).region.area == pytest.approx(1150.0, rel=1e-12)
 
 
+def test_outlines_that_cross_are_one_whatever_lies_elsewhere() -> None:
+    """Which of two counts more faces is no matter: windows in one of them had made a third outline a window."""
+    first, second, third = box(0, 0, 30, 35), box(20, 5, 50, 25), box(10, 8, 25, 20)
+    windows = [box(40 + 3 * k, 10, 41 + 3 * k, 11) for k in range(3)]
+    assert material(first, second, third).region.area == pytest.approx(1450.0, rel=1e-12)
+    assert material(first, second, third, *windows).region.area == pytest.approx(1447.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("by_lines", [False, True])
+def test_outlines_by_lines_are_those_of_closed_ones(by_lines: bool) -> None:
+    """Lines that follow one another are an outline, though those of another one end at its corners."""
+
+    def drawn(*outlines: Stroke) -> float:
+        strokes = [line for each in outlines for line in lines_of(each)] if by_lines else list(outlines)
+        return float(material(*strokes).region.area)
+
+    assert drawn(PLATE, box(10, 5, 40, 15), box(10, 5, 20, 10)) == pytest.approx(950.0, rel=1e-12)
+    assert drawn(PLATE, box(50, 10, 60, 20)) == pytest.approx(1100.0, rel=1e-12)
+    turned = lines_of(box(50, 10, 60, 20))
+    turned = [Stroke(each.points[:: (-1) ** k], False, each.role) for k, each in enumerate(turned)]
+    assert material(PLATE, *turned).region.area == pytest.approx(1100.0, rel=1e-12)
+
+
+NOTCH = box(50, 5, 60, 15)
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        [line((0, 0), (60, 0))],  # doubled
+        [line((0, 0), (1e-6, 0))],  # dust
+        [line((40, 0), (40, 20))],  # across
+        [line((-5, 10), (0, 10))],  # ends on the rim
+    ],
+)
+@pytest.mark.parametrize("by_lines", [False, True])
+def test_other_lines_on_the_rim_fill_no_notch(more: list[Stroke], by_lines: bool) -> None:
+    rim = lines_of(PLATE) if by_lines else [PLATE]
+    for strokes in ([*more, *rim, NOTCH], [*rim, NOTCH, *more], [*rim, *more, *lines_of(NOTCH)]):
+        graph = healed(strokes, 1e-3)
+        found = material_of(graph, strokes, parting(graph.points, graph.edges), OUTLINES)
+        assert found.region.area == pytest.approx(1100.0, rel=1e-6)  # dust is joined at one of its ends
+
+
+def test_a_notch_stays_one_where_lines_of_the_rim_run_past_its_corners() -> None:
+    rim = [line((-0.3, 0), (60.3, 0)), line((60, -0.3), (60, 20.3)), line((60.3, 20), (-0.3, 20))]
+    strokes = [*rim, line((0, 20.3), (0, -0.3)), NOTCH]
+    graph = healed(strokes, 0.5)
+    found = material_of(graph, strokes, parting(graph.points, graph.edges), OUTLINES)
+    assert found.region.area == pytest.approx(1100.0, rel=1e-12)
+
+
+def test_a_piece_in_a_hole_is_material_however_often_the_hole_is_drawn() -> None:
+    hole, island = box(10, 2, 30, 18, "hole"), box(14, 4, 26, 16)
+    for more in ([hole], lines_of(hole), [box(11, 2.5, 29.5, 17, "hole")]):
+        assert material(PLATE, hole, *more, island).region.area == pytest.approx(1200 - 320 + 144, rel=1e-12)
+    halves = [box(10, 2, 20, 18, "hole"), box(20, 2, 30, 18, "hole")]
+    assert material(PLATE, *halves, island).region.area == pytest.approx(1200 - 320 + 144, rel=1e-12)
+
+
+def test_lines_between_windows_take_nothing_away() -> None:
+    windows = [box(10, 5, 20, 15), box(30, 5, 40, 15)]
+    found = material(PLATE, *windows, line((20, 7), (30, 7)), line((20, 13), (30, 13)))
+    assert found.region.area == pytest.approx(1000.0, rel=1e-12)
+    assert len(found.within) == 2
+    beside = line((20, 7), (26, 7), (26, 13), (20, 13))
+    assert material(PLATE, windows[0], beside).region.area == pytest.approx(1100.0, rel=1e-12)
+
+
+def test_an_outline_that_crosses_itself_is_told_of_no_line_within_it() -> None:
+    found = material(closed([(0, 0), (20, 20), (20, 0), (0, 20)]))
+    assert found.region.area == pytest.approx(200.0, rel=1e-12)
+    assert not found.within
+    turns = np.linspace(0.0, 4.0 * np.pi, 200, endpoint=False)
+    twice = closed([(10 * math.cos(a), 10 * math.sin(a)) for a in turns])
+    assert not material(twice).within
+
+
+def test_tiles_that_fill_a_frame_leave_nothing() -> None:
+    """Each is a window of the frame: `shape_of` refuses it."""
+    assert material(PLATE, box(0, 0, 30, 20), box(30, 0, 60, 20)).region.is_empty
+
+
 @pytest.mark.parametrize("seed", range(40))
 def test_boxes_within_boxes_count_by_turns(seed: int) -> None:
     """Boxes on a grid, each within another or beside it, that touch at corners and share sides; by lines or closed."""

@@ -9,7 +9,7 @@ import pytest
 
 import lamc
 from lamc.readers.drawings.layer_shape import shape_of
-from lamc.readers.drawings.roles import layer_angle
+from lamc.readers.drawings.roles import layer_angle, layer_role
 from lamc.readers.drawings.svg import read_svg
 from lamc.records.card import SheetOptions
 
@@ -49,6 +49,9 @@ def drawn(folder: Path, body: str) -> Path:
         ("valley_90", 90.0),
         ("fold-45", -45.0),
         ("mountain 270", None),
+        ("mountain 45 copy", -45.0),
+        ("Mountain_90_copy_2", -90.0),
+        ("valley copy 30", None),
     ],
 )
 def test_a_small_number_after_a_hyphen_counts_copies(name: str, degrees: float | None) -> None:
@@ -116,3 +119,16 @@ def test_two_words_for_one_colour_are_refused(tmp_path: Path) -> None:
     with pytest.raises(lamc.DesignError, match="'blue' is valley, and '#0000ff' is cut"):
         read(path, roles={"blue": "valley", "#0000ff": "cut"})
     assert len(read(path, roles={"blue": "valley", "#0000ff": "valley"})[0].joints) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [
+        ("Holes copy 3", "hole"),
+        ("mountain 45 copy", "mountain"),
+        ("body-copy", "border"),
+        ("photocopy", None),
+    ],
+)
+def test_a_copy_of_a_layer_is_for_the_same(name: str, role: str | None) -> None:
+    assert layer_role(name) == role

@@ -49,6 +49,11 @@ def shape_of(
     found = material_of(graph, strokes, kept, OUTLINES)
     region = found.region
     if region.is_empty:
+        if kept:
+            raise DesignError(
+                f"the outlines of {_where(layer)} leave nothing: one within another is a window of it; draw tiles "
+                "without a frame about them, or the frame alone"
+            )
         raise DesignError(f"the lines of {_where(layer)} enclose nothing; draw closed outlines")
     across = {graph.strokes[k]: k for k in reversed(found.within)}
     whole = [

@@ -7,7 +7,7 @@ An outline is a closed stroke, or strokes that join end to end to a ring, wherev
 enclose, such as lines that end on lines, is material in all its parts.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,7 @@ from shapely.geometry.base import BaseGeometry
 from lamc.design.shapes import areas
 from lamc.readers.drawings.heal import Graph
 from lamc.readers.drawings.outlines import islands_of, parting
-from lamc.readers.fold_faces import Edge
+from lamc.readers.fold_faces import NEAR, Edge
 from lamc.records.drawing import Role, Stroke
 from lamc.records.mechanism import Array
 
@@ -69,8 +69,10 @@ def material_of(
     shapely.prepare(region)
     own = [j for j, k in enumerate(owners) if k in others]
     middles = shapely.line_interpolate_point(lines[own], 0.5, normalized=True)
-    amid = np.flatnonzero(shapely.contains_properly(region, middles)).tolist()
-    return Material(region, tuple(drawn[own[j]] for j in amid))
+    beyond = NEAR * float(np.ptp(graph.points, axis=0).max())  # the rim is as exact as its corners
+    amid = shapely.contains_properly(region, middles)
+    amid &= shapely.distance(shapely.boundary(region), middles) > beyond
+    return Material(region, tuple(drawn[own[j]] for j in np.flatnonzero(amid)))
 
 
 def _rings(
@@ -94,56 +96,86 @@ def _rings(
     for role, numbers in open_ones.items():
         ends = vertices.nearest(shapely.points([strokes[k].points[e] for k in numbers for e in (0, -1)]))
         pairs = dict(zip(numbers, ends.reshape(-1, 2).tolist(), strict=True))
-        for chain in _chains(pairs):
-            shape = shapely.Polygon(_joined(chain, pairs, strokes)) if _is_ring(chain, pairs) else None
-            if shape is not None and shape.is_valid and shape.area > 0.0:
+        straight = {k for k in numbers if len(strokes[k].points) == 2}
+        for chain in list(_chains(pairs, straight)):
+            corners = _corners(graph, strokes, pairs, chain)
+            shape = shapely.Polygon(corners) if len(corners) > 2 else shapely.Polygon()
+            if shape.is_valid and shape.area > 0.0:
                 found.append(_Outline(shape, role == "hole"))
-            else:
-                others |= set(chain)
+                for k in chain:
+                    del pairs[k]
+        # What is shorter than points are apart is of no outline.
+        others |= {k for k, (a, b) in pairs.items() if a != b or len(strokes[k].points) > 2}
     return found, others
 
 
-def _chains(pairs: dict[int, list[int]]) -> Iterator[list[int]]:
-    """Strokes, by number, that hold together by their ends, in the order in which one leads to the next."""
+def _chains(pairs: dict[int, list[int]], straight: set[int]) -> Iterator[list[int]]:
+    """Rings of strokes, by number, each from one end to the next: those that follow one another in the file, then those
+    of what is left in which two ends meet wherever one is.
+
+    pairs  ends of each stroke, vertices"""
+    left = {k: ends for k, ends in pairs.items() if ends[0] != ends[1]}
+    yield from ([k] for k in pairs if k not in left)
+    chain: list[int] = []
+    start = end = -1
+    for k, (a, b) in list(left.items()):
+        if chain and {chain[-1], k} <= straight and {a, b} == set(left[chain[-1]]):
+            del left[k]  # drawn again
+            continue
+        if chain and end in (a, b):
+            chain.append(k)
+            end = b if end == a else a
+        elif len(chain) == 1 and start in (a, b):  # the first was drawn the other way
+            start, end = end, b if start == a else a
+            chain.append(k)
+        else:
+            chain, start, end = [k], a, b
+        if start == end:
+            yield chain
+            for j in chain:
+                del left[j]
+            chain = []
     at: dict[int, list[int]] = {}
-    for k, ends in pairs.items():
+    for k, ends in left.items():
         for v in ends:
             at.setdefault(v, []).append(k)
     seen: set[int] = set()
-    for first in pairs:
-        if first in seen:
-            continue
-        seen.add(first)
-        chain, waiting = [], [first]
-        while waiting:
-            chain.append(waiting.pop())
-            for v in pairs[chain[-1]]:
-                for k in at[v]:
-                    if k not in seen:
-                        seen.add(k)
-                        waiting.append(k)
-        yield chain
+    for first in left:
+        if first not in seen:
+            chain = _walked(first, left, at)
+            seen |= set(chain)
+            if all(len(at[v]) == 2 for k in chain for v in left[k]):
+                yield chain
 
 
-def _is_ring(chain: Sequence[int], pairs: dict[int, list[int]]) -> bool:
-    """Whether two ends meet wherever one is."""
-    ends = np.array([pairs[k] for k in chain]).ravel()
-    return bool((np.unique(ends, return_counts=True)[1] == 2).all())
+def _walked(first: int, pairs: dict[int, list[int]], at: dict[int, list[int]]) -> list[int]:
+    """Strokes from one to the next, from the end of the first on, until there is none that was not passed."""
+    chain, passed, end = [first], {first}, pairs[first][1]
+    while True:
+        following = next((k for k in at[end] if k not in passed), None)
+        if following is None:
+            return chain
+        chain.append(following)
+        passed.add(following)
+        a, b = pairs[following]
+        end = b if end == a else a
 
 
-def _joined(chain: Sequence[int], pairs: dict[int, list[int]], strokes: Sequence[Stroke]) -> Array:
-    """Corners (n, 2) of a ring of strokes."""
-    left = set(chain)
-    k, (_, end) = chain[0], pairs[chain[0]]
-    points = [strokes[k].points]
-    left.discard(k)
-    while left:
-        k = next(k for k in chain if k in left and end in pairs[k])
+def _corners(
+    graph: Graph, strokes: Sequence[Stroke], pairs: dict[int, list[int]], chain: Sequence[int]
+) -> Array:
+    """Corners (n, 2) of a ring of strokes; ends are where healing has put them."""
+    if len(chain) == 1:
+        return strokes[chain[0]].points
+    a, b = pairs[chain[0]]
+    end = a if a not in pairs[chain[1]] else b if b not in pairs[chain[1]] else a
+    points: list[Array] = []
+    for k in chain:
         start, other = pairs[k]
         forward = start == end
-        points.append(strokes[k].points if forward else strokes[k].points[::-1])
+        own = strokes[k].points if forward else strokes[k].points[::-1]
+        points += [graph.points[[end]], own[1:-1]]
         end = other if forward else start
-        left.discard(k)
     return np.concatenate(points)
 
 
@@ -169,10 +201,10 @@ def _full(faces: npt.NDArray[np.object_], outlines: Sequence[_Outline]) -> npt.N
     which, inside = places.query(shapes, predicate="contains")
     enclosed = _grouped(which, inside, len(outlines))
     solid = [k for k, outline in enumerate(outlines) if not outline.is_hole and len(enclosed[k])]
-    solid = _without_tiles(solid, outlines, enclosed, faces)
-    nest = _Nest([enclosed[k] for k in solid], len(faces))
-    taken = [enclosed[k] for k, outline in enumerate(outlines) if outline.is_hole]
-    return nest.full(taken)
+    solid = _without_patches(solid, outlines, enclosed, faces)
+    holes = [k for k, outline in enumerate(outlines) if outline.is_hole and len(enclosed[k])]
+    nest = _Nest(_united(solid, shapes, enclosed, _cross), len(faces))
+    return nest.full(_united(holes, shapes, enclosed, lambda a, b: True))
 
 
 def _grouped(which: _Faces, values: _Faces, count: int) -> list[_Faces]:
@@ -181,28 +213,74 @@ def _grouped(which: _Faces, values: _Faces, count: int) -> list[_Faces]:
     return np.split(values[order], np.searchsorted(which[order], np.arange(1, count)))
 
 
-def _without_tiles(
+def _cross(first: _Faces, second: _Faces) -> bool:
+    """Whether two outlines have faces in common, and each has some of its own."""
+    common = len(np.intersect1d(first, second, assume_unique=True))
+    return 0 < common < min(len(first), len(second))
+
+
+def _united(
+    chosen: Sequence[int],
+    shapes: npt.NDArray[np.object_],
+    enclosed: Sequence[_Faces],
+    are_one: Callable[[_Faces, _Faces], bool],
+) -> list[_Faces]:
+    """Faces of some outlines; of those that meet and `are_one`, together."""
+    if not chosen:
+        return []
+    rims = shapely.boundary(shapes[list(chosen)])
+    first, second = STRtree(rims).query(rims, predicate="intersects")
+    owner = list(range(len(chosen)))
+    for a, b in zip(first.tolist(), second.tolist(), strict=True):
+        if a < b and are_one(enclosed[chosen[a]], enclosed[chosen[b]]):
+            owner[_root(owner, b)] = _root(owner, a)
+    together: dict[int, list[_Faces]] = {}
+    for k, number in enumerate(chosen):
+        together.setdefault(_root(owner, k), []).append(enclosed[number])
+    return [np.unique(np.concatenate(each)) for each in together.values()]
+
+
+def _root(owner: list[int], k: int) -> int:
+    while owner[k] != k:
+        owner[k] = owner[owner[k]]
+        k = owner[k]
+    return k
+
+
+def _without_patches(
     solid: list[int],
     outlines: Sequence[_Outline],
     enclosed: Sequence[_Faces],
     faces: npt.NDArray[np.object_],
 ) -> list[int]:
-    """Less the rings that are tiles of what other strokes enclose together with them: they have a part of its rim."""
+    """Less what other strokes enclose where rings enclose it as well; and where they enclose something beside rings, as
+    where two tiles share a side, less those rings, which are of it. Within another outline the rings stay, and lines
+    that lead from one to another are lines across."""
+    rings = [k for k in solid if not outlines[k].is_patched]
     gone: set[int] = set()
     for patch in (k for k in solid if outlines[k].is_patched):
-        rim = shapely.boundary(outlines[patch].shape)
         amid = set(enclosed[patch].tolist())
-        for k in solid:
-            if k == patch or outlines[k].is_patched or k in gone or not amid.issuperset(enclosed[k].tolist()):
-                continue
-            own = shapely.boundary(shapely.union_all(faces[enclosed[k]]))
-            if shapely.length(shapely.intersection(own, rim)) > 0.0:
-                gone.add(k)
+        own = [k for k in rings if amid.issuperset(enclosed[k].tolist())]
+        if amid <= {face for k in own for face in enclosed[k].tolist()}:
+            gone.add(patch)
+            continue
+        rim = shapely.boundary(outlines[patch].shape)
+        tiles = [k for k in own if _shares(faces[enclosed[k]], rim)]
+        is_inner = any(
+            amid < set(enclosed[k].tolist()) for k in rings if len(enclosed[k]) > len(enclosed[patch])
+        )
+        gone |= {patch} if tiles and is_inner else set(tiles)
     return [k for k in solid if k not in gone]
 
 
+def _shares(faces: npt.NDArray[np.object_], rim: BaseGeometry) -> bool:
+    """Whether the faces reach a rim along a line."""
+    around = shapely.boundary(shapely.union_all(faces))
+    return bool(shapely.length(shapely.intersection(around, rim)) > 0.0)
+
+
 class _Nest:
-    """Outlines within one another, by the faces that they enclose; those that cross are one.
+    """Outlines within one another, by the faces that they enclose; none crosses another.
 
     outlines  the largest first
     label     the smallest outline about each face; -1: none
@@ -210,43 +288,28 @@ class _Nest:
     """
 
     def __init__(self, outlines: Sequence[_Faces], count: int) -> None:
-        self.outlines = list(outlines)
-        self.label, self.parent = np.full(count, -1), list[int]()
-        while not self._is_nested(count):
-            pass
-
-    def _is_nested(self, count: int) -> bool:
-        """Orders the outlines, and joins those that cross; False where some did."""
-        once = {faces.tobytes(): faces for faces in self.outlines}
+        once = {faces.tobytes(): faces for faces in outlines}
         self.outlines = sorted(once.values(), key=lambda faces: (-len(faces), faces.tolist()))
-        self.label, self.parent = np.full(count, -1), []
-        joined: dict[int, int] = {}
+        self.label, self.parent = np.full(count, -1), list[int]()
         for k, faces in enumerate(self.outlines):
-            about = np.unique(self.label[faces])
-            crossed = [j for j in about.tolist() if j >= 0 and not np.isin(faces, self.outlines[j]).all()]
-            if crossed:
-                joined[k] = crossed[0]
-            self.parent.append(int(about[0]) if len(about) == 1 else -1)
+            self.parent.append(int(self.label[faces[0]]))
             self.label[faces] = k
-        for k, other in sorted(joined.items(), reverse=True):
-            self.outlines[other] = np.union1d(self.outlines[other], self.outlines.pop(k))
-        return not joined
 
     def full(self, holes: Sequence[_Faces]) -> npt.NDArray[np.bool_]:
-        """Faces within an odd number of outlines, and in no hole but one about the smallest of these."""
-        depth: list[int] = []
-        for parent in self.parent:
-            depth.append(depth[parent] + 1 if parent >= 0 else 0)
+        """Faces whose smallest outline begins amid nothing, and that are in no hole within it."""
         empty = np.zeros(len(self.label), dtype=bool)
-        around = np.zeros(len(self.outlines), dtype=np.int64)
+        begun_anew = np.zeros(len(self.outlines), dtype=bool)  # in a hole that their parent is not in
         for faces in holes:
             within = self._within(faces)
-            around[within] += 1
-            empty[faces[~np.isin(self.label[faces], within)]] = True
-        turns = np.array(depth, dtype=np.int64) + around
-        return np.asarray((self.label >= 0) & ~empty & (np.append(turns, 1)[self.label] % 2 == 0))
+            begun_anew[[k for k in within if self.parent[k] not in within]] = True
+            empty[faces[~np.isin(self.label[faces], list(within))]] = True
+        solid: list[bool] = []
+        for parent, anew in zip(self.parent, begun_anew.tolist(), strict=True):
+            solid.append(anew or parent < 0 or not solid[parent])
+        begins = np.array([*solid, False])  # the last: within no outline
+        return np.asarray((self.label >= 0) & ~empty & begins[self.label])
 
-    def _within(self, hole: _Faces) -> list[int]:
+    def _within(self, hole: _Faces) -> set[int]:
         """Outlines that lie within a hole, and are smaller."""
         own = self.label[hole]
         count: dict[int, int] = {}
@@ -258,4 +321,4 @@ class _Nest:
         for k in sorted(count, reverse=True):
             if self.parent[k] >= 0:
                 count[self.parent[k]] += count[k]
-        return [k for k, times in count.items() if times == len(self.outlines[k]) < len(hole)]
+        return {k for k, times in count.items() if times == len(self.outlines[k]) < len(hole)}

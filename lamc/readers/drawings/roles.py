@@ -79,6 +79,8 @@ _WITH_NUMBER = re.compile(
     r"(.*?[^0-9.+-])[\s_(=-]*?([+-]?[0-9]+(?:\.[0-9]*)?)\s*(?:°|deg|degrees)?\)?\Z", re.DOTALL
 )
 
+_COPY = re.compile(r"(?<![a-z])copy[\s_-]*[0-9]*\Z", re.IGNORECASE)  # of a layer: "mountain 45 copy 2"
+
 
 def role_of(colour: str | None, layer: str, options: SheetOptions) -> Role | None:
     """What a line is for; None where neither user nor layer nor colour says.
@@ -118,14 +120,15 @@ def layer_angle(name: str) -> float | None:
 
     A small bare number, "mountain 2" or "mountain-2", counts layers and is no angle.
     """
-    role, found = layer_role(name), _WITH_NUMBER.match(name.strip())
+    role, name = layer_role(name), _bare(name)
+    found = _WITH_NUMBER.match(name)
     if found is None or role not in ("mountain", "valley", "hinge") or layer_name(name) in _JOINTS:
         return None
     degrees = float(found[2])
     # A hyphen amid the name parts it from a number, as programs write spaces and number copies.
-    before = name.strip()[found.start(2) - 1]
+    before = name[found.start(2) - 1]
     signed = found[2][0] == "+" or (found[2][0] == "-" and not before.isalnum())
-    bare = name.strip()[-1].isdigit() and not signed
+    bare = name[-1].isdigit() and not signed
     if abs(degrees) > 180.0 or (bare and abs(degrees) < _FEWEST_DEGREES):
         return None
     if role == "hinge":
@@ -150,11 +153,12 @@ def colour_role(colour: str | None) -> Role | None:
 def layer_name(name: str) -> str:
     """A layer's name as the table has it: in lower case, singular, without a number or sign at its end, or a number
     before it, by which cutters order layers: 3_outline."""
-    found = _WITH_NUMBER.match(name.strip())
+    name = _bare(name)
+    found = _WITH_NUMBER.match(name)
     words = re.findall(r"[^\W_]+", (found[1] if found else name).lower())
     if len(words) > 1 and words[0].isdigit():
         words.pop(0)
-    if words and words[-1] in ("copy", "layer", "layers"):
+    if words and words[-1] in ("layer", "layers"):
         words.pop()
     joined = " ".join(words)
     each = " ".join(word.removesuffix("s") for word in words)  # "folds mountain"
@@ -162,6 +166,12 @@ def layer_name(name: str) -> str:
         if singular in _BY_NAME or singular in _FOLDS:
             return singular
     return "body" if joined == "bodies" else joined
+
+
+def _bare(name: str) -> str:
+    """A layer's name without what says that it is a copy."""
+    bare = _COPY.sub("", name.strip())
+    return bare.rstrip(" \t_-") if bare != name.strip() else bare
 
 
 def check_roles(options: SheetOptions) -> None:

@@ -131,6 +131,11 @@ def count_at(
     # Where loops have a higher rank a little off, the start is singular, and the walk is on one family of many.
     risen = max((_rank(way, size, EXACT) for way in exact.ways), default=0) > size - exact.free
     if exact.free > MOST_FREE and (not exact.places or (risen and not exact.is_singular)):
+        if exact.is_singular:
+            raise DesignError(
+                f"the start is singular, and {exact.free} rates are free there to first order: none of the ways that "
+                f"were tried goes on, as the drawing is rounded, or holds itself; {MAY_BEND}"
+            )
         raise DesignError(
             f"the start is singular, and {exact.free} rates are free there to first order: of more than {MOST_FREE}, "
             "no branches are looked for; start it a little off, by angles of some hinges"

@@ -9,6 +9,8 @@ import lamc
 from lamc.loops.branches import find_branches
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.rank import count_loops
+from lamc.loops.surveys import Survey
+from lamc.loops.tangents import MOST_FREE
 from lamc.mechanism.plan import plan
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus
@@ -62,3 +64,21 @@ def test_a_rounded_sheet_with_flaps_folds_as_the_exact_one_does(
     assert rounded.misfit is not None
     assert rounded.accepted_gap > 0.0
     assert (rounded.rank, rounded.freedoms) == (exact.rank, exact.freedoms)
+
+
+@pytest.mark.parametrize(
+    ("is_singular", "told"),
+    [
+        (True, "none of the ways that were tried goes on.*--facets bend"),
+        (False, "no branches are looked for"),
+    ],
+)
+def test_a_sheet_of_many_free_rates_without_a_way_is_refused_with_one_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, is_singular: bool, told: str
+) -> None:
+    """As a pattern of hundreds of slits that rounding holds: it had been run as if its six flaps were all of it."""
+    made = plan(sheet(tmp_path, fold_corpus.miura(4, 4)))
+    nothing = Survey([], is_singular, MOST_FREE + 1)
+    monkeypatch.setattr("lamc.loops.rank.survey", lambda *given: nothing)
+    with pytest.raises(lamc.DesignError, match=told):
+        count_loops(made)

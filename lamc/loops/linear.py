@@ -31,12 +31,9 @@ DAMPING = 1e-5  # e, of the largest singular value: what is smaller is damped, a
 SEED = 20260105  # of the vectors that inverse iteration begins from
 BLOCK = 8  # vectors of inverse iteration more than values are counted
 ROUNDS = 3  # of it: a null vector gains (e / sigma)^2 on others in each
-FEW_ROUNDS = (
-    2  # from the vectors of a matrix nearby, and where no value is near the largest that is looked for
-)
-FAR_BELOW = (
-    16.0  # times smaller is not near: beside such values, what is beyond fades to a thousandth by a round
-)
+# Of rounds from the vectors of a matrix nearby, and where no value is near the largest that is looked for, as it is not
+# if it is so many times smaller: beside such values, what is beyond fades to a thousandth by a round.
+FEW_ROUNDS, FAR_BELOW = 2, 16.0
 BEYOND = 2.0  # times the largest that is looked for: blocks reach so far; a round leaves a quarter of what is beyond
 CLOSE = 3.0  # times its neighbour: beyond what is looked for, such a value is not known well enough to be told from it
 WEAK = 2e-2  # of the largest singular value: in large matrices, smaller ones are looked for; no misfit's are larger

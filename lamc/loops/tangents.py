@@ -78,7 +78,7 @@ class Tangents:
     @cached_property
     def held(self) -> Array:
         """(d, c): orthonormal, rates in coordinates of the basis that some form holds; all others are free of each
-        other, as those of flaps outside all loops."""
+        other, as those of flaps outside all loops. All are, where there are no forms."""
         if self.local is not None or not len(self.forms):
             return np.eye(self.basis.shape[1])
         squares, axes = np.linalg.eigh(np.tensordot(self.forms, self.forms, axes=([0, 2], [0, 2])))

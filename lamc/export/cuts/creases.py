@@ -16,6 +16,7 @@ from shapely.geometry import LineString, Polygon
 from lamc.basics.errors import UnsupportedError
 from lamc.export.creased import CreasedSheet, Edge
 from lamc.export.cuts.lines import ROLES, CutLine, Pen, closed, open_line
+from lamc.readers.fold_groups import pieces_of
 from lamc.records.mechanism import Array, Joint
 from lamc.records.network import listed_names
 
@@ -53,27 +54,23 @@ def _whole(folds: Sequence[tuple[int, CutLine]], met: set[tuple[float, ...]]) ->
     for k, (_, line) in enumerate(folds):
         for place in line.points.tolist():
             at.setdefault(tuple(place), []).append(k)
-    lines: dict[int, CutLine] = {k: line for k, (_, line) in enumerate(folds)}
-    owner = list(range(len(folds)))  # by piece, the line that it has become a part of
-
+    joined: list[tuple[int, int]] = []
     for place, around in at.items():
-        if len(around) != 2 or place in met or folds[around[0]][0] != folds[around[1]][0]:
+        if len(around) != 2 or place in met:
             continue
-        first, second = (_owner(owner, k) for k in around)
-        if first == second or lines[first].pen != lines[second].pen:
-            continue
-        ends = [next(p for p in lines[k].points if tuple(p) != place) for k in (first, second)]
-        if _is_straight(ends[0], np.array(place), ends[1]):
-            lines[first] = replace(lines[first], points=np.array(ends))
-            del lines[second]
-            owner[second] = first
-    return list(lines.values())
+        (joint, first), (other, second) = (folds[k] for k in around)
+        ends = [next(p for p in line.points if tuple(p) != place) for line in (first, second)]
+        if joint == other and first.pen == second.pen and _is_straight(ends[0], np.array(place), ends[1]):
+            joined.append((around[0], around[1]))
+    if not folds:
+        return []
+    return [_end_to_end([folds[k][1] for k in each]) for each in pieces_of(range(len(folds)), joined)]
 
 
-def _owner(owner: Sequence[int], k: int) -> int:
-    while owner[k] != k:
-        k = owner[k]
-    return k
+def _end_to_end(pieces: Sequence[CutLine]) -> CutLine:
+    """Pieces of one straight line as one: from the place that one piece has to the other such."""
+    places, times = np.unique(np.concatenate([line.points for line in pieces]), axis=0, return_counts=True)
+    return replace(pieces[0], points=places[times == 1]) if len(pieces) > 1 else pieces[0]
 
 
 def _is_straight(start: Array, amid: Array, end: Array) -> bool:

@@ -3,11 +3,11 @@
 In: a planar graph, the strokes that its edges are of. Out: the region of material, and lines within it that part
 nothing. Never: closes what is open.
 
-An outline is a closed stroke, or strokes that join end to end to a ring, wherever it touches others. What other strokes
-enclose, such as lines that end on lines, is material in all its parts.
+Which strokes are outlines, `rings` tells; what other strokes enclose, such as lines that end on lines, is material in
+all its parts. An outline is the faces of the graph that lie within it.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +20,9 @@ from shapely.geometry.base import BaseGeometry
 from lamc.design.shapes import areas
 from lamc.readers.drawings.heal import Graph
 from lamc.readers.drawings.outlines import islands_of, parting
+from lamc.readers.drawings.rings import Outline, rings_of
 from lamc.readers.fold_faces import NEAR, Edge
+from lamc.readers.fold_groups import pieces_of
 from lamc.records.drawing import Role, Stroke
 from lamc.records.mechanism import Array
 
@@ -37,15 +39,6 @@ class Material:
     within: tuple[int, ...]
 
 
-@dataclass(frozen=True, eq=False)
-class _Outline:
-    """What an outline encloses; is_patched: strokes that are no ring do."""
-
-    shape: BaseGeometry
-    is_hole: bool
-    is_patched: bool = False
-
-
 def material_of(
     graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], roles: frozenset[Role]
 ) -> Material:
@@ -60,7 +53,7 @@ def material_of(
     edges = [graph.edges[k] for k in drawn]
     lines = shapely.linestrings(graph.points[np.array(edges)])
     faces = shapely.get_parts(shapely.polygonize(lines))
-    rings, others = _rings(graph, strokes, roles)
+    rings, others = rings_of(graph, strokes, roles)
     owners = [graph.strokes[k] for k in drawn]
     holes = {edge for edge, k in zip(edges, owners, strict=True) if strokes[k].role == "hole"}
     loose = {edge for edge, k in zip(edges, owners, strict=True) if k in others}
@@ -75,125 +68,21 @@ def material_of(
     return Material(region, tuple(drawn[own[j]] for j in np.flatnonzero(amid)))
 
 
-def _rings(
-    graph: Graph, strokes: Sequence[Stroke], roles: frozenset[Role]
-) -> tuple[list[_Outline], set[int]]:
-    """Closed strokes and rings of open ones, and the numbers of all other strokes of those roles."""
-    chosen = [k for k, stroke in enumerate(strokes) if stroke.role in roles]
-    found: list[_Outline] = []
-    others: set[int] = set()
-    open_ones: dict[Role, list[int]] = {}
-    for k in chosen:
-        stroke = strokes[k]
-        shape = shapely.Polygon(stroke.points) if stroke.closed and len(stroke.points) > 2 else None
-        if shape is not None and shape.is_valid and shape.area > 0.0:
-            found.append(_Outline(shape, stroke.role == "hole"))
-        elif stroke.closed:
-            others.add(k)
-        else:
-            open_ones.setdefault(stroke.role, []).append(k)
-    vertices = STRtree(shapely.points(graph.points))
-    for role, numbers in open_ones.items():
-        ends = vertices.nearest(shapely.points([strokes[k].points[e] for k in numbers for e in (0, -1)]))
-        pairs = dict(zip(numbers, ends.reshape(-1, 2).tolist(), strict=True))
-        straight = {k for k in numbers if len(strokes[k].points) == 2}
-        for chain in list(_chains(pairs, straight)):
-            corners = _corners(graph, strokes, pairs, chain)
-            shape = shapely.Polygon(corners) if len(corners) > 2 else shapely.Polygon()
-            if shape.is_valid and shape.area > 0.0:
-                found.append(_Outline(shape, role == "hole"))
-                for k in chain:
-                    del pairs[k]
-        # What is shorter than points are apart is of no outline.
-        others |= {k for k, (a, b) in pairs.items() if a != b or len(strokes[k].points) > 2}
-    return found, others
-
-
-def _chains(pairs: dict[int, list[int]], straight: set[int]) -> Iterator[list[int]]:
-    """Rings of strokes, by number, each from one end to the next: those that follow one another in the file, then those
-    of what is left in which two ends meet wherever one is.
-
-    pairs  ends of each stroke, vertices"""
-    left = {k: ends for k, ends in pairs.items() if ends[0] != ends[1]}
-    yield from ([k] for k in pairs if k not in left)
-    chain: list[int] = []
-    start = end = -1
-    for k, (a, b) in list(left.items()):
-        if chain and {chain[-1], k} <= straight and {a, b} == set(left[chain[-1]]):
-            del left[k]  # drawn again
-            continue
-        if chain and end in (a, b):
-            chain.append(k)
-            end = b if end == a else a
-        elif len(chain) == 1 and start in (a, b):  # the first was drawn the other way
-            start, end = end, b if start == a else a
-            chain.append(k)
-        else:
-            chain, start, end = [k], a, b
-        if start == end:
-            yield chain
-            for j in chain:
-                del left[j]
-            chain = []
-    at: dict[int, list[int]] = {}
-    for k, ends in left.items():
-        for v in ends:
-            at.setdefault(v, []).append(k)
-    seen: set[int] = set()
-    for first in left:
-        if first not in seen:
-            chain = _walked(first, left, at)
-            seen |= set(chain)
-            if all(len(at[v]) == 2 for k in chain for v in left[k]):
-                yield chain
-
-
-def _walked(first: int, pairs: dict[int, list[int]], at: dict[int, list[int]]) -> list[int]:
-    """Strokes from one to the next, from the end of the first on, until there is none that was not passed."""
-    chain, passed, end = [first], {first}, pairs[first][1]
-    while True:
-        following = next((k for k in at[end] if k not in passed), None)
-        if following is None:
-            return chain
-        chain.append(following)
-        passed.add(following)
-        a, b = pairs[following]
-        end = b if end == a else a
-
-
-def _corners(
-    graph: Graph, strokes: Sequence[Stroke], pairs: dict[int, list[int]], chain: Sequence[int]
-) -> Array:
-    """Corners (n, 2) of a ring of strokes; ends are where healing has put them."""
-    if len(chain) == 1:
-        return strokes[chain[0]].points
-    a, b = pairs[chain[0]]
-    end = a if a not in pairs[chain[1]] else b if b not in pairs[chain[1]] else a
-    points: list[Array] = []
-    for k in chain:
-        start, other = pairs[k]
-        forward = start == end
-        own = strokes[k].points if forward else strokes[k].points[::-1]
-        points += [graph.points[[end]], own[1:-1]]
-        end = other if forward else start
-    return np.concatenate(points)
-
-
-def _patches(points: Array, edges: Sequence[Edge], holes: set[Edge], loose: set[Edge]) -> list[_Outline]:
+def _patches(points: Array, edges: Sequence[Edge], holes: set[Edge], loose: set[Edge]) -> list[Outline]:
     """What strokes that are no rings enclose, with all that holds together with them."""
     if not loose:
         return []
     found = [
-        _Outline(island.hull, set(island.edges) <= holes, True)
+        Outline(island.hull, set(island.edges) <= holes, True)
         for island in islands_of(points, edges)
         if not loose.isdisjoint(island.edges)
     ]
     own = sorted(holes & loose)
     rings = [own[k] for k in parting(points, own)] if own else []
-    return [*found, *(_Outline(island.hull, True) for island in islands_of(points, rings))]
+    return [*found, *(Outline(island.hull, True) for island in islands_of(points, rings))]
 
 
-def _full(faces: npt.NDArray[np.object_], outlines: Sequence[_Outline]) -> npt.NDArray[np.bool_]:
+def _full(faces: npt.NDArray[np.object_], outlines: Sequence[Outline]) -> npt.NDArray[np.bool_]:
     """Which faces are material."""
     places = STRtree(shapely.point_on_surface(faces))
     shapes = np.array([outline.shape for outline in outlines], dtype=object)
@@ -228,47 +117,33 @@ def _united(
     """Faces of some outlines; of those that meet and `are_one`, together."""
     if not chosen:
         return []
+    own = [enclosed[k] for k in chosen]
     rims = shapely.boundary(shapes[list(chosen)])
-    first, second = STRtree(rims).query(rims, predicate="intersects")
-    owner = list(range(len(chosen)))
-    for a, b in zip(first.tolist(), second.tolist(), strict=True):
-        if a < b and are_one(enclosed[chosen[a]], enclosed[chosen[b]]):
-            owner[_root(owner, b)] = _root(owner, a)
-    together: dict[int, list[_Faces]] = {}
-    for k, number in enumerate(chosen):
-        together.setdefault(_root(owner, k), []).append(enclosed[number])
-    return [np.unique(np.concatenate(each)) for each in together.values()]
-
-
-def _root(owner: list[int], k: int) -> int:
-    while owner[k] != k:
-        owner[k] = owner[owner[k]]
-        k = owner[k]
-    return k
+    meeting = STRtree(rims).query(rims, predicate="intersects").T.tolist()
+    pairs = [(a, b) for a, b in meeting if a < b and are_one(own[a], own[b])]
+    return [np.unique(np.concatenate([own[k] for k in each])) for each in pieces_of(range(len(own)), pairs)]
 
 
 def _without_patches(
     solid: list[int],
-    outlines: Sequence[_Outline],
+    outlines: Sequence[Outline],
     enclosed: Sequence[_Faces],
     faces: npt.NDArray[np.object_],
 ) -> list[int]:
     """Less what other strokes enclose where rings enclose it as well; and where they enclose something beside rings, as
     where two tiles share a side, less those rings, which are of it. Within another outline the rings stay, and lines
     that lead from one to another are lines across."""
+    within = {k: set(enclosed[k].tolist()) for k in solid}
     rings = [k for k in solid if not outlines[k].is_patched]
     gone: set[int] = set()
     for patch in (k for k in solid if outlines[k].is_patched):
-        amid = set(enclosed[patch].tolist())
-        own = [k for k in rings if amid.issuperset(enclosed[k].tolist())]
-        if amid <= {face for k in own for face in enclosed[k].tolist()}:
+        own = [k for k in rings if within[patch] >= within[k]]
+        if within[patch] <= set[int]().union(*(within[k] for k in own)):
             gone.add(patch)
             continue
         rim = shapely.boundary(outlines[patch].shape)
         tiles = [k for k in own if _shares(faces[enclosed[k]], rim)]
-        is_inner = any(
-            amid < set(enclosed[k].tolist()) for k in rings if len(enclosed[k]) > len(enclosed[patch])
-        )
+        is_inner = any(within[patch] < within[k] for k in rings)
         gone |= {patch} if tiles and is_inner else set(tiles)
     return [k for k in solid if k not in gone]
 

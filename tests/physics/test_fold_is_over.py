@@ -185,5 +185,11 @@ def test_a_command_that_nobody_gives_a_length_ends_there_and_says_so(
     assert len(frames) == 61
     folds = [max(abs(a) for a in f["edges_foldAngle"] if a is not None) for f in frames]
     assert folds[0] < 1.0
-    # The last step may go some degrees beyond a half turn, which FOLD counts back from there.
-    assert folds[40] < 170.0 < folds[-1]
+    # The last step may go some degrees beyond a half turn, which FOLD counts back from there: as the run does, it ends.
+    ended = lamc.compile(load(Path(), resting_flat(miura(3, 3)))).run(t_end=10.0, until_folded=True)
+    last = np.abs(np.degrees([ended.angle(name)[-1] for name in ended.hinges]))
+    assert 179.0 <= last.min() <= last.max() < 190.0
+    assert folds[40] < 170.0
+    assert folds[-1] == pytest.approx(
+        np.minimum(last, 360.0 - last).max(), abs=1e-6
+    )  # degrees, of the same steps

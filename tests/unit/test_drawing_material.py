@@ -6,10 +6,12 @@ import random
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from lamc.readers.drawings.heal import OUTLINES, healed
 from lamc.readers.drawings.material import Material, material_of
-from lamc.readers.drawings.outlines import parting
+from lamc.readers.drawings.outlines import hull, parting
 from lamc.records.drawing import Role, Stroke
 
 Corners = list[tuple[float, float]]
@@ -229,3 +231,30 @@ def test_boxes_within_boxes_count_by_turns(seed: int) -> None:
     strokes = [box(*each) for each in boxes]
     source.shuffle(strokes)
     assert material(*strokes).region.area == pytest.approx(np.count_nonzero(depth % 2), rel=1e-12)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    st.lists(
+        st.tuples(
+            st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=2, max_size=6),
+            st.booleans(),
+            st.sampled_from(["border", "hole"]),
+        ),
+        min_size=1,
+        max_size=8,
+    ),
+    st.sampled_from([0.0, 1e-3, 0.3]),
+)
+def test_any_lines_have_material_within_their_hull(
+    drawn: list[tuple[list[tuple[int, int]], bool, Role]], tolerance: float
+) -> None:
+    """Lines over one another, crossing themselves, of no length: no error, and nothing beyond what they enclose."""
+    strokes = [Stroke(np.array(points, dtype=float), is_closed, role) for points, is_closed, role in drawn]
+    graph = healed(strokes, tolerance)
+    kept = parting(graph.points, graph.edges)
+    found = material_of(graph, strokes, kept, OUTLINES)
+    whole = hull(graph.points, [graph.edges[k] for k in kept])
+    assert found.region.is_valid
+    assert found.region.area <= whole.area * (1.0 + 1e-9)  # round-off of unions of some dozen faces
+    assert set(found.within) <= set(kept)

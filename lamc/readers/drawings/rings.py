@@ -3,7 +3,7 @@
 In: strokes, and the healed graph of them. Out: outlines, and which strokes are of none. Never: tells what is material.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,7 +47,7 @@ def rings_of(
         ends = vertices.nearest(shapely.points([strokes[k].points[e] for k in numbers for e in (0, -1)]))
         pairs = dict(zip(numbers, ends.reshape(-1, 2).tolist(), strict=True))
         straight = {k for k in numbers if len(strokes[k].points) == 2}
-        for chain in list(_chains(pairs, straight)):
+        for chain in _chains(pairs, straight):
             corners = _corners(graph, strokes, pairs, chain)
             shape = shapely.Polygon(corners) if len(corners) > 2 else shapely.Polygon()
             if shape.is_valid and shape.area > 0.0:
@@ -59,18 +59,28 @@ def rings_of(
     return found, others
 
 
-def _chains(pairs: dict[int, list[int]], straight: set[int]) -> Iterator[list[int]]:
-    """Rings of strokes, by number, each from one end to the next: those that follow one another in the file, then those
-    of what is left in which two ends meet wherever one is.
+def _chains(pairs: Mapping[int, list[int]], straight: set[int]) -> list[list[int]]:
+    """Rings of strokes, by number, each from one end to the next: those that end where they begin, those that follow
+    one another in the file, then those of what is left in which two ends meet wherever one is.
 
-    pairs  ends of each stroke, vertices"""
+    pairs     ends of each stroke, vertices
+    straight  strokes without a corner
+    """
+    loops = [[k] for k, (a, b) in pairs.items() if a == b]
     left = {k: ends for k, ends in pairs.items() if ends[0] != ends[1]}
-    yield from ([k] for k in pairs if k not in left)
+    in_a_row = list(_in_a_row(left, straight))
+    drawn = {k for chain in in_a_row for k in chain}
+    return [*loops, *in_a_row, *_closed({k: ends for k, ends in left.items() if k not in drawn})]
+
+
+def _in_a_row(pairs: dict[int, list[int]], straight: set[int]) -> Iterator[list[int]]:
+    """Strokes each of which begins where the one before it in the file ends, to where the first begins. One that is the
+    line before it, drawn again, is taken out of `pairs`."""
     chain: list[int] = []
     start = end = -1
-    for k, (a, b) in list(left.items()):
-        if chain and {chain[-1], k} <= straight and {a, b} == set(left[chain[-1]]):
-            del left[k]  # drawn again
+    for k, (a, b) in list(pairs.items()):
+        if chain and {chain[-1], k} <= straight and {a, b} == set(pairs[chain[-1]]):
+            del pairs[k]
             continue
         if chain and end in (a, b):
             chain.append(k)
@@ -82,23 +92,25 @@ def _chains(pairs: dict[int, list[int]], straight: set[int]) -> Iterator[list[in
             chain, start, end = [k], a, b
         if start == end:
             yield chain
-            for j in chain:
-                del left[j]
             chain = []
+
+
+def _closed(pairs: Mapping[int, list[int]]) -> Iterator[list[int]]:
+    """Strokes that hold together, of which two ends meet wherever one is."""
     at: dict[int, list[int]] = {}
-    for k, ends in left.items():
+    for k, ends in pairs.items():
         for v in ends:
             at.setdefault(v, []).append(k)
     seen: set[int] = set()
-    for first in left:
+    for first in pairs:
         if first not in seen:
-            chain = _walked(first, left, at)
+            chain = _walked(first, pairs, at)
             seen |= set(chain)
-            if all(len(at[v]) == 2 for k in chain for v in left[k]):
+            if all(len(at[v]) == 2 for k in chain for v in pairs[k]):
                 yield chain
 
 
-def _walked(first: int, pairs: dict[int, list[int]], at: dict[int, list[int]]) -> list[int]:
+def _walked(first: int, pairs: Mapping[int, list[int]], at: Mapping[int, list[int]]) -> list[int]:
     """Strokes from one to the next, from the end of the first on, until there is none that was not passed."""
     chain, passed, end = [first], {first}, pairs[first][1]
     while True:
@@ -112,7 +124,7 @@ def _walked(first: int, pairs: dict[int, list[int]], at: dict[int, list[int]]) -
 
 
 def _corners(
-    graph: Graph, strokes: Sequence[Stroke], pairs: dict[int, list[int]], chain: Sequence[int]
+    graph: Graph, strokes: Sequence[Stroke], pairs: Mapping[int, list[int]], chain: Sequence[int]
 ) -> Array:
     """Corners (n, 2) of a ring of strokes; ends are where healing has put them."""
     if len(chain) == 1:

@@ -76,7 +76,8 @@ def _on_branch(job: Job) -> Simulator:
     if not made.cut_joints or made.loops.pushed is not None:
         return made
     try:
-        taken, number = made.loops_taken()
+        with job.times.stage("branch"):
+            taken, number = made.loops_taken()
     except DesignError:  # of a start that cannot be had, which is told when it is asked for
         return made
     if taken.rank == made.loops.rank:

@@ -96,6 +96,40 @@ def test_a_million_ways_to_say_a_colour_and_an_opacity() -> None:
         assert line.angle == pytest.approx(-0.5 * math.pi, abs=0.01)  # 80 of ff is 128/255
 
 
+@pytest.mark.parametrize(
+    ("body", "role"),
+    [
+        ('<g stroke="currentColor" color="red"><line x2="10" color="blue"/></g>', "valley"),
+        ('<g color="blue"><g stroke="currentColor"><line x2="10"/></g></g>', "valley"),
+        ('<g stroke="currentColor" color="red"><line x2="10" stroke="blue" color="lime"/></g>', "valley"),
+        ('<g stroke="currentColor" color="red"><line x2="10" stroke="inherit" color="blue"/></g>', "valley"),
+    ],
+)
+def test_the_current_color_is_that_of_the_shape_that_inherits_it(body: str, role: Role) -> None:
+    assert only(body).role == role
+
+
+@pytest.mark.parametrize(
+    ("root", "millimetres", "told"),
+    [
+        ('viewBox="0 0 100 50" style="width:100mm;height:50mm"', 10.0, ""),
+        ('viewBox="0 0 100 50" width="100mm" style="width:100%;height:auto"', 10.0, ""),
+        (
+            'viewBox="0 0 100 50" width="100mm" style="width:50mm"',
+            10.0,
+            "50mm in a style and 100mm as its own",
+        ),
+        ('viewBox="0 0 100 50" style="width:100"', 254 / 96, "without a unit is none"),
+    ],
+)
+def test_the_size_of_a_drawing_may_stand_in_a_style(root: str, millimetres: float, told: str) -> None:
+    read = drawn(LINE, root)
+    assert read.strokes[0].points == mm([[0, 0], [millimetres, 0]])
+    assert told in "; ".join(read.notes)
+    inner = only(f'<svg viewBox="0 0 10 10" style="width:50px; height:50px">{LINE}</svg>')
+    assert inner.points == mm([[0, 0], [50, 0]])
+
+
 def test_opacities_of_groups_multiply_and_of_strokes_do_not() -> None:
     line = only(
         '<g opacity=".5"><g opacity=".5" stroke-opacity=".1" stroke="blue">'
@@ -344,16 +378,17 @@ def test_what_is_not_read_is_told_with_its_name_and_nothing_is_fetched() -> None
     body = f"""{LINE}<text id="t">hi</text><image xlink:href="http://example.invalid/a.png"/>
       <script>alert(1)</script><foreignObject><p/></foreignObject><use href="http://example.invalid/b.svg#x"/>
       <use href="#nothing"/><path d=""/><line x1="1" x2="1" stroke="red" id="dot"/><circle r="0" stroke="red"/>
+      <defs><script id="hidden">alert(2)</script></defs><a href=" javascript:alert(3)" onclick="alert(4)">{LINE}</a>
       <blob/><style>@import url(http://example.invalid/c.css);</style><path d="M5 5" stroke="red"/>"""
     told = "\n".join(drawn(body).notes)
     for word in (
         "text #t: is text",
         "image 1 (line 1): is a picture",
-        "script 1 (line 2): is a program",
+        "script 1 (line 2), script #hidden, href of a 1 (line 4), onclick of a 1 (line 4): each is a program",
         "is not in the file and is not fetched",
         "'#nothing', which the file does not have",
         "line #dot: draws nothing: its length is 0",
-        "circle 1 (line 3), path 2 (line 4): each draws nothing",
+        "circle 1 (line 3), path 2 (line 5): each draws nothing",
         "blob 1",
         "imports a stylesheet, which is not fetched",
     ):
@@ -368,6 +403,11 @@ def test_what_is_not_read_is_told_with_its_name_and_nothing_is_fetched() -> None
             r"sheet.svg:1.*path #p: its d cannot be read at character 7",
         ),
         ('<path d="M0 0 L 1e999 3" stroke="red"/>', "path 1 .line 1.: its d cannot be read"),
+        ('<path d="M0 0L1 3" transform="translate(10,)" stroke="red"/>', "has transform='translate.10,.'"),
+        (
+            '<path d="M0 0L1 3" transform="translate(10,,3)" stroke="red"/>',
+            "has transform='translate.10,,3.'",
+        ),
         ('<path d="M0 0 X 3" stroke="red"/>', "its d cannot be read at character 6"),
         ('<path d="L 3 3" stroke="red"/>', "its d cannot be read at character 1"),
         ('<path d="M0 0 L 3" stroke="red"/>', "its d cannot be read"),

@@ -58,11 +58,14 @@ class _Reader:
         self.notes = Notes()
         for note in found.notes:
             self.notes.say(note)
+        for program in found.programs:
+            self.notes.add("is a program and is not run", program)
         self.roles = ShapeRoles(options, self.notes)
 
     def drawing(self, progress: Progress | None) -> Drawing:
-        scale = scale_of(self.document, self.options.units)
-        lines = self._lines(scale, progress)
+        walk = Walk(self.document, self.limits, self.notes)
+        scale = scale_of(self.document, walk.root, self.options.units)
+        lines = self._lines(walk, scale, progress)
         if not lines:
             raise DesignError(f"the drawing has no line that is for anything{self._left_out()}")
         outlines = [outline for _, outline in lines]
@@ -75,12 +78,12 @@ class _Reader:
         self.roles.tell()
         return Drawing(self._name(), strokes, scale.x, self.notes.lines, self.file)
 
-    def _lines(self, scale: Scale, progress: Progress | None) -> list[tuple[Stroke, Outline]]:
+    def _lines(self, walk: Walk, scale: Scale, progress: Progress | None) -> list[tuple[Stroke, Outline]]:
         """Strokes without points yet, and their outlines in m."""
         to_metres = np.diag([scale.x, -scale.y, 1.0])
         found: list[tuple[Stroke, Outline]] = []
         filled: list[Drawn] = []
-        for count, drawn in enumerate(Walk(self.document, self.limits, self.notes).shapes()):
+        for count, drawn in enumerate(walk.shapes()):
             if progress is not None and count % _PER_REPORT == 0:
                 progress("reading", min(1.0, count / self.document.count))
             if drawn.style.stroke is None:

@@ -12,6 +12,7 @@ from lamc.readers.drawings.svg_tree import Element
 from lamc.readers.inert import Limits
 
 GEOMETRY_OF = {  # by tag: what CSS gives as well (SVG 2, geometry properties)
+    "svg": ("x", "y", "width", "height"),
     "rect": ("x", "y", "width", "height", "rx", "ry"),
     "circle": ("cx", "cy", "r"),
     "ellipse": ("cx", "cy", "rx", "ry"),

@@ -73,6 +73,12 @@ def numbers(text: str) -> list[float] | None:
     return found if all(abs(value) < LARGEST for value in found) else None
 
 
+def is_size(text: str) -> bool:
+    """Whether it says how large something is: not in per cents of what nobody knows."""
+    found = _LENGTH.match(text)
+    return found is not None and found[2].lower() in _PX
+
+
 def view_box(element: Element) -> tuple[float, float, float, float] | None:
     """x, y, width, height; None for none, or one without a size."""
     found = numbers(element.get("viewBox"))
@@ -109,12 +115,12 @@ class Scale:
     note: str
 
 
-def scale_of(document: Document, units: str | None) -> Scale:
-    """How large a user unit is: as the user says, else as width, height and viewBox do, else a px.
+def scale_of(document: Document, root: Element, units: str | None) -> Scale:
+    """How large a user unit is: as the user says, else as width, height and viewBox of the root do, else a
+    px. root: with what styles give it.
 
     Raises DesignError for a width or height that is no length.
     """
-    root = document.root
     if units is not None:
         unit = to_si(f"1 {units}", LENGTH)
         return Scale(unit, unit, "")

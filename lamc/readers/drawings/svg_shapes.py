@@ -41,7 +41,7 @@ def matrix_of(element: Element, text: str) -> Array:
     if not _BLANK.fullmatch(_CALL.sub("", text)):
         raise _unread(element, "transform", text)
     for name, inside in calls:
-        found = numbers(inside)
+        found = None if _STRAY.search(inside) else numbers(inside)
         if found is None or len(found) not in _TAKES.get(name, ()):
             raise _unread(element, "transform", f"{name}({inside})")
     m = svgelements.Matrix(text)
@@ -52,6 +52,7 @@ def matrix_of(element: Element, text: str) -> Array:
 
 
 _UNITS = re.compile(r"([0-9.])(?:px|deg)\b")
+_STRAY = re.compile(r"\A\s*,|,\s*,|,\s*\Z")  # a comma: browsers drop a transform that has one
 _CALL = re.compile(r"([A-Za-z]+)\s*\(([^()]*)\)")
 _TAKES = {
     "translate": (1, 2),

@@ -18,6 +18,7 @@ class Style:
 
     stroke, fill  colours; None for none
     unread        what is given as the stroke and is no colour; "" for a colour and for none
+    current       of stroke and fill, those that are the `color` of whatever shape inherits them
     opacity       of the stroke, all groups' multiplied
     layers        names of the groups, outermost first; True for those that a program calls layers
     """
@@ -31,6 +32,7 @@ class Style:
     is_visible: bool = True
     layers: tuple[tuple[str, bool], ...] = ()
     unread: str = ""
+    current: frozenset[str] = frozenset()
 
     @property
     def strength(self) -> float:
@@ -58,13 +60,15 @@ def styled(element: Element, above: Style, declared: Declarations, notes: Notes)
     color = _paint(said.get("color", ""), above.color)
     if color is not None:
         style = replace(style, color=color)
-    if "stroke" in said:
-        stroke = _paint(said["stroke"], style.color)
-        unread = said["stroke"] if stroke is None and said["stroke"].lower() not in _NO_PAINT else ""
+    paints = dict.fromkeys(style.current, _CURRENT) | {n: said[n] for n in ("stroke", "fill") if n in said}
+    style = replace(style, current=frozenset(n for n, paint in paints.items() if paint.lower() == _CURRENT))
+    if "stroke" in paints:
+        stroke = _paint(paints["stroke"], style.color)
+        unread = paints["stroke"] if stroke is None and paints["stroke"].lower() not in _NO_PAINT else ""
         paint, alpha = stroke if stroke is not None else (None, 1.0)
         style = replace(style, stroke=paint, stroke_alpha=alpha, unread=unread)
-    if "fill" in said:
-        fill = _paint(said["fill"], style.color)
+    if "fill" in paints:
+        fill = _paint(paints["fill"], style.color)
         style = replace(style, fill=fill[0] if fill is not None else None)
     of_stroke = _share(said["stroke-opacity"]) if "stroke-opacity" in said else None
     if of_stroke is not None:
@@ -78,12 +82,13 @@ def styled(element: Element, above: Style, declared: Declarations, notes: Notes)
 
 
 _NO_PAINT = ("none", "transparent")
+_CURRENT = "currentcolor"
 _NAMED = frozenset(("g", "svg", "a", "use", "symbol"))
 
 
 def _paint(text: str, current: tuple[Colour, float]) -> tuple[Colour, float] | None:
     """A colour and its opacity; None for none."""
-    if text.lower() == "currentcolor":
+    if text.lower() == _CURRENT:
         return current
     # What stands behind an address is drawn where there is no such gradient.
     if text.lower() in _NO_PAINT or text.lower().startswith("url("):

@@ -23,6 +23,12 @@ _DOUBLED = re.compile(r"_[0-9]+_\Z")  # Illustrator's mark of a second thing of 
 _CODED = re.compile(r"_x([0-9A-Fa-f]{2,4})_")  # and of a character that an id cannot have
 
 
+def _runs(name: str, value: str) -> bool:
+    """Whether an attribute is a program, as onload is, or links to one."""
+    is_link = name.rpartition(":")[2] == "href" and value.strip().lower().startswith("javascript:")
+    return is_link or (name.startswith("on") and name.isalpha())
+
+
 @dataclass(eq=False, slots=True)
 class Element:
     """One element.
@@ -76,6 +82,7 @@ class Document:
     count     how many elements it has
     comments  the first few, where programs leave their names
     notes     what was left out on the way
+    programs  names of scripts, and of attributes that are run in a browser, wherever they stand
     """
 
     root: Element
@@ -84,6 +91,7 @@ class Document:
     styles: tuple[Element, ...]
     comments: tuple[str, ...]
     notes: tuple[str, ...]
+    programs: tuple[str, ...]
 
 
 def document(data: bytes, file: str, limits: Limits) -> Document:
@@ -103,6 +111,7 @@ class _Reader:
         self.styles: list[Element] = []
         self.comments: list[str] = []
         self.notes: list[str] = []
+        self.programs: list[str] = []
         self._open: list[Element] = []
         self._counts: dict[str, int] = {}
         self._total = 0
@@ -132,7 +141,13 @@ class _Reader:
         assert self.root is not None
         self._check_references()
         return Document(
-            self.root, self.ids, self._total, tuple(self.styles), tuple(self.comments), tuple(self.notes)
+            self.root,
+            self.ids,
+            self._total,
+            tuple(self.styles),
+            tuple(self.comments),
+            tuple(self.notes),
+            tuple(self.programs),
         )
 
     def _error(self, message: str) -> DesignError:
@@ -178,6 +193,11 @@ class _Reader:
             self.ids.setdefault(made.get("id"), made)
         if tag == "style":
             self.styles.append(made)
+        if tag == "script":
+            self.programs.append(made.source)
+        self.programs += (
+            f"{key[:40]} of {made.source}" for key, value in attributes.items() if _runs(key, value)
+        )
 
     def _end(self, name: str) -> None:
         self._open.pop()

@@ -13,7 +13,7 @@ import numpy as np
 from lamc.basics.checks import shown
 from lamc.readers.drawings.notes import Notes
 from lamc.readers.drawings.svg_css import GEOMETRY_OF, Declarations, Sheet
-from lamc.readers.drawings.svg_lengths import NUMBER, Viewport, fitted, length, view_box
+from lamc.readers.drawings.svg_lengths import NUMBER, Viewport, fitted, is_size, length, view_box
 from lamc.readers.drawings.svg_shapes import count_of, is_shape, matrix_of
 from lamc.readers.drawings.svg_style import Style, styled
 from lamc.readers.drawings.svg_tree import Document, Element
@@ -43,6 +43,7 @@ _SILENT = frozenset(  # that draw nothing where they stand
             "mask",
             "view",
             "cursor",
+            "script",
             "font",
             "color-profile",
             "solidcolor",
@@ -56,7 +57,6 @@ _TOLD = {
     "flowRoot": "is text: turn it into paths if it is to be cut",
     "image": "is a picture: draw its lines",
     "foreignObject": "is of another language and is not read",
-    "script": "is a program and is not run",
     "animate": "is animation and is not played",
     "set": "is animation and is not played",
     "animateTransform": "is animation and is not played",
@@ -76,21 +76,26 @@ class Drawn:
 
 
 class Walk:
-    """One document; `notes` grows."""
+    """One document; `notes` grows.
+
+    root  of it, with what styles give it
+    """
 
     def __init__(self, document: Document, limits: Limits, notes: Notes) -> None:
         self.document, self.limits, self.notes = document, limits, notes
         self.sheet = Sheet(document.styles, limits)
         self._visited = 0
         self._following: list[Element] = []
+        self._declared = self.sheet.declarations(document.root)
+        self.root = self._sized(document.root)
 
     def shapes(self) -> Iterator[Drawn]:
-        root = self.document.root
+        root = self.root
         box = view_box(root)
         sides = box[2:] if box else [length(root, n, Viewport(), "") for n in ("width", "height")]
         yield from self._children(
             root,
-            styled(root, Style(), self.sheet.declarations(root), self.notes),
+            styled(root, Style(), self._declared, self.notes),
             np.eye(3),
             Viewport(*sides),
             0,
@@ -143,13 +148,13 @@ class Walk:
             if chosen is not None:
                 yield from self._drawn(chosen, style, own, viewport, depth + 1)
         elif tag == "svg":
-            inner, view = self._viewed(element, viewport, {})
+            inner, view = self._viewed(self._measured(element, declared), viewport, {})
             yield from self._children(element, style, own @ inner, view, depth)
         else:
             yield from self._children(element, style, own, viewport, depth)
 
     def _measured(self, element: Element, declared: Declarations) -> Element:
-        """The shape with the geometry that CSS gives it, before its own attributes."""
+        """The element with the geometry that CSS gives it, before its own attributes."""
         given = {}
         for name in GEOMETRY_OF.get(element.tag, ()):
             value = declared.get(name, "auto").strip()
@@ -161,6 +166,22 @@ class Walk:
                 path = _PATH.fullmatch(value)
                 given[name] = path[2] if path is not None else value
         return replace(element, attributes=element.attributes | given) if given else element
+
+    def _sized(self, root: Element) -> Element:
+        """The root with the size that CSS gives it, where its attributes give none: programs that draw read these, and
+        pages are told to fill a window by the others."""
+        given = self._measured(root, self._declared)
+        for name in ("width", "height"):
+            own, other = (each.get(name).strip() for each in (root, given))
+            if own == other or not is_size(own):
+                continue
+            if is_size(other):
+                self.notes.add(
+                    f"has {name}: {other[:20]} in a style and {own[:20]} as its own, which is taken",
+                    root.source,
+                )
+            given.attributes[name] = own
+        return given
 
     def _count(self, element: Element, depth: int) -> None:
         self._visited += count_of(element)

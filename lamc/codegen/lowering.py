@@ -14,6 +14,7 @@ from lamc.symbolic.staging import Level, Store, Symbol
 from lamc.symbolic.statements import count_operations, group
 
 MAX_EXACT = 2**53  # doubles hold all integers up to here
+_LETTERS = {space: space.value for space in Space}
 
 
 class Lowering:
@@ -115,4 +116,4 @@ def canonical(function: Function) -> Iterable[str]:
 def _slot(operand: Operand) -> str:
     if operand.space is Space.NUMBER:
         return f"#{operand.value!r}"
-    return f"{operand.space.value}{operand.index}"
+    return f"{_LETTERS[operand.space]}{operand.index}"

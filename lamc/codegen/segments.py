@@ -6,23 +6,24 @@ of one block (213 s for 11 000 lines at -O2) and a kernel stays in the instructi
 build and to run. A segment reads values of other segments through a row of indices.
 """
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from lamc.symbolic.program import Function, Operand, Shape, Space, Statement
 
 MIN_INSTANCES = 3  # fewer are written out: a kernel and its table would be longer than what they replace
 
 
-@dataclass(frozen=True, slots=True)
-class Local:
+class Local(NamedTuple):
     """Operand made in the same segment, by the statement at this position."""
 
     position: int
 
 
-@dataclass(frozen=True, slots=True)
-class External:
+class External(NamedTuple):
     """Operand from outside the segment: number `slot` among them, in this array."""
 
     slot: int
@@ -34,12 +35,13 @@ Pattern = tuple[tuple[Shape, tuple[Local | External, ...]], ...]
 
 @dataclass(frozen=True)
 class Segment:
-    """Statements [start, stop) of a function; all about one link and from one section."""
+    """Statements [start, stop) of a function; all about one link and from one section. kind: number of its pattern."""
 
     start: int
     stop: int
     section: int
     pattern: Pattern
+    kind: int
     externals: tuple[Operand, ...]
 
 
@@ -69,11 +71,10 @@ class Layout:
 def lay_out(function: Function) -> Layout:
     """The layout of `function`; time and size are linear in its length."""
     segments = _segments(function)
-    numbers = _alike(segments)
     crossing = _crossing(function, segments)
     class_of: list[int | None] = [None] * len(segments)
     classes: list[KernelClass] = []
-    for pattern, members in numbers.items():
+    for members in _alike(segments):
         first = segments[members[0]]
         if len(members) < MIN_INSTANCES:
             continue
@@ -87,7 +88,7 @@ def lay_out(function: Function) -> Layout:
         )
         for member in members:
             class_of[member] = len(classes)
-        classes.append(KernelClass(pattern, first.section, tuple(stored)))
+        classes.append(KernelClass(first.pattern, first.section, tuple(stored)))
     place: dict[int, int] = {}
     for segment, kernel in zip(segments, class_of, strict=True):
         if kernel is not None:
@@ -100,45 +101,53 @@ def lay_out(function: Function) -> Layout:
     return Layout(tuple(segments), tuple(class_of), tuple(classes), place, len(place))
 
 
-def _alike(segments: Sequence[Segment]) -> dict[Pattern, list[int]]:
+def _alike(segments: Sequence[Segment]) -> Iterable[list[int]]:
     """The segments of each pattern, by their numbers."""
-    numbers: dict[Pattern, list[int]] = {}
+    numbers: dict[int, list[int]] = {}
     for number, segment in enumerate(segments):
-        numbers.setdefault(segment.pattern, []).append(number)
-    return numbers
+        numbers.setdefault(segment.kind, []).append(number)
+    return numbers.values()
 
 
 def _segments(function: Function) -> list[Segment]:
     """By links; those that are like no others by their steps."""
     statements = function.statements
-    whole = _runs(statements, 0, len(statements), _owner)
-    numbers = _alike(whole)
+    kinds: dict[Pattern, int] = {}
+    whole = _runs(statements, 0, len(statements), _owner, kinds)
+    counts = Counter(segment.kind for segment in whole)
     segments: list[Segment] = []
     for segment in whole:
-        if len(numbers[segment.pattern]) < MIN_INSTANCES:
-            segments += _runs(statements, segment.start, segment.stop, lambda statement: statement.step)
+        if counts[segment.kind] < MIN_INSTANCES:
+            segments += _runs(statements, segment.start, segment.stop, _step, kinds)
         else:
             segments.append(segment)
     return segments
 
 
 def _runs(
-    statements: tuple[Statement, ...], start: int, stop: int, of: Callable[[Statement], object]
+    statements: tuple[Statement, ...],
+    start: int,
+    stop: int,
+    of: Callable[[Statement], object],
+    kinds: dict[Pattern, int],
 ) -> list[Segment]:
-    """Statements [start, stop) in runs that are of one thing."""
+    """Statements [start, stop) in runs that are of one thing; `kinds` of patterns grow."""
     segments: list[Segment] = []
-    for end in range(start + 1, stop + 1):
-        if end == stop or of(statements[end]) != of(statements[start]):
-            segments.append(_segment(statements, start, end))
-            start = end
+    for _, run in itertools.groupby(range(start, stop), lambda k: of(statements[k])):
+        places = list(run)
+        segments.append(_segment(statements, places[0], places[-1] + 1, kinds))
     return segments
+
+
+def _step(statement: Statement) -> int:
+    return statement.step
 
 
 def _owner(statement: Statement) -> tuple[int, int]:
     return statement.section, statement.link
 
 
-def _segment(statements: tuple[Statement, ...], start: int, stop: int) -> Segment:
+def _segment(statements: tuple[Statement, ...], start: int, stop: int, kinds: dict[Pattern, int]) -> Segment:
     slots: dict[Operand, int] = {}
     pattern: list[tuple[Shape, tuple[Local | External, ...]]] = []
     for statement in statements[start:stop]:
@@ -149,7 +158,9 @@ def _segment(statements: tuple[Statement, ...], start: int, stop: int) -> Segmen
             else:
                 operands.append(External(slots.setdefault(operand, len(slots)), operand.space))
         pattern.append((statement.shape, tuple(operands)))
-    return Segment(start, stop, statements[start].section, tuple(pattern), tuple(slots))
+    made = tuple(pattern)
+    kind = kinds.setdefault(made, len(kinds))
+    return Segment(start, stop, statements[start].section, made, kind, tuple(slots))
 
 
 def _crossing(function: Function, segments: list[Segment]) -> set[int]:

@@ -198,11 +198,8 @@ def _solver_note(equations: Equations) -> str:
 
 
 def _with_digests(program: Program) -> Program:
-    text = hashlib.sha256()
-    for part in _canonical(program):
-        text.update(part.encode())
-        text.update(b"\n")
-    structure = text.hexdigest()
+    text = "".join(f"{part}\n" for part in _canonical(program))
+    structure = hashlib.sha256(text.encode()).hexdigest()
     return replace(
         program, structure=structure, digest=design_digest(structure, program.inputs, program.drawn)
     )

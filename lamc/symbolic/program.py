@@ -42,6 +42,8 @@ class Space(Enum):
     PLY = "y"  # numbers of a ply; units in `lamc/plates/laminates/ply_terms.py`
     NUMBER = "#"  # a literal
 
+    __hash__ = object.__hash__  # in C: slots of a large sheet are looked up millions of times
+
 
 @dataclass(frozen=True, slots=True)
 class Operand:

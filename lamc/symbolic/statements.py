@@ -5,6 +5,7 @@ it would be part of grows long, or when it is what an effect hands to the rest o
 can be seen in the C. All others are written inside the one statement that uses them.
 """
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,6 +15,7 @@ from lamc.symbolic.staging import BINARY, LEAVES, Level, Store
 
 # Longer right-hand sides gain nothing at run time and are hard to read; shorter ones make many temporaries.
 MAX_OPERANDS = 6
+_SHORT = frozenset((*BINARY, "neg"))
 
 
 @dataclass(frozen=True)
@@ -27,15 +29,22 @@ class Grouping:
 def group(store: Store, outputs: Sequence[Scalar], outer: Level) -> Grouping:
     """Statements for `outputs`; nodes up to level `outer` are taken as given."""
     live = _within(store, outputs, outer)
+    levels, operations, arguments, section_of = (
+        store.levels,
+        store.operations,
+        store.arguments,
+        store.section_of,
+    )
+    of_effects = {number for number, section in enumerate(store.sections) if section.effect}
     uses = dict.fromkeys(live, 0)
     handed_over: set[int] = set()
     for index in live:
-        if store.levels[index] > outer:
-            section = store.section_of[index]
-            for argument in store.arguments[index]:
+        if levels[index] > outer:
+            section = section_of[index]
+            for argument in arguments[index]:
                 uses[argument] += 1
-                own = store.section_of[argument]
-                if own != section and store.sections[own].effect:
+                own = section_of[argument]
+                if own != section and own in of_effects:
                     handed_over.add(argument)
     for value in outputs:
         if isinstance(value, Value):
@@ -44,41 +53,40 @@ def group(store: Store, outputs: Sequence[Scalar], outer: Level) -> Grouping:
     leaves: list[int] = []
     operands: dict[int, int] = {}
     for index in live:
-        operation = store.operations[index]
+        operation = operations[index]
         operands[index] = 1
-        if operation in LEAVES or store.levels[index] <= outer:
+        if levels[index] <= outer or operation in LEAVES:
             leaves.append(index)
             continue
-        count = sum(operands[i] for i in store.arguments[index])
-        short = operation in (*BINARY, "neg") and uses[index] == 1 and count <= MAX_OPERANDS
-        inline = short and index not in handed_over
-        if inline:
-            operands[index] = count
-        else:
-            named.append(index)
+        if uses[index] == 1 and operation in _SHORT and index not in handed_over:
+            count = sum([operands[i] for i in arguments[index]])
+            if count <= MAX_OPERANDS:
+                operands[index] = count
+                continue
+        named.append(index)
     return Grouping(tuple(named), tuple(leaves))
 
 
 def _within(store: Store, outputs: Sequence[Scalar], outer: Level) -> list[int]:
     """Live nodes, not looking behind those of level `outer` or below."""
-    seen: set[int] = set()
+    levels, arguments = store.levels, store.arguments
     stack = [v.index for v in outputs if isinstance(v, Value)]
+    seen = set(stack)
     while stack:
         index = stack.pop()
-        if index not in seen:
-            seen.add(index)
-            if store.levels[index] > outer:
-                stack.extend(store.arguments[index])
+        if levels[index] > outer:
+            for argument in arguments[index]:
+                if argument not in seen:
+                    seen.add(argument)
+                    stack.append(argument)
     return sorted(seen)
 
 
 def count_operations(store: Store, outputs: Sequence[Scalar], outer: Level) -> Operations:
     """Operations on nodes above level `outer` that `outputs` need."""
-    counts = {"+": 0, "*": 0, "reciprocal": 0, "call": 0}
-    for index in _within(store, outputs, outer):
-        operation = store.operations[index]
-        if store.levels[index] <= outer or operation in (*LEAVES, "neg"):
-            continue
-        key = {"+": "+", "-": "+", "*": "*", "reciprocal": "reciprocal"}.get(operation, "call")
-        counts[key] += 1
-    return Operations(counts["+"], counts["*"], counts["reciprocal"], counts["call"])
+    levels, operations = store.levels, store.operations
+    counts = Counter(operations[i] for i in _within(store, outputs, outer) if levels[i] > outer)
+    for free in (*LEAVES, "neg"):
+        del counts[free]
+    additions, products, reciprocals = counts["+"] + counts["-"], counts["*"], counts["reciprocal"]
+    return Operations(additions, products, reciprocals, counts.total() - additions - products - reciprocals)

@@ -31,6 +31,7 @@ FAINT = 1e-5  # of the largest singular value: of loops that hold so little, acc
 # Rad, of the joint that turns most: how far a start is moved for that, by at most so many steps.
 FARTHEST, MOST_STEPS = 0.05, 12
 BENT = 0.1  # of such a step: what is farther from the tangent is another motion
+NOTHING_ASKED = 1e-9  # rad/s²: round-off of loads that balance one another
 ASKED = 4  # directions about those that loads ask for, where not all branches are known
 ABOUT = 0.3  # of each rate: as far apart are these, so that what is alike in two creases does not stay so
 CORNERS = 8  # such directions that are tried where a zero is a corner of its family
@@ -63,23 +64,32 @@ def find_branches(
     """The branches at a singular closed position, in the order of their rates; each was followed for a step.
 
     Empty where the second order does not tell branches apart. local: `tangents` there, if they are known. lead: the
-    rates that loads ask for; where there are more branches than are looked for, those near them come last. Of a sheet
-    that goes on in one family, its example lies there. rank: of the closure on that family; None: any.
+    rates that loads ask for; where there are more branches than are looked for, those near them come last, and where
+    branches are examples of families, the one of them all on which loads do most work. Of a sheet that goes on in one
+    family, its example lies there. rank: of the closure on that family; None: any.
     """
     local = local or tangents(geometry, angles, fit)
     if not local.count:
         return ()
     led = None if lead is None else lead(angles)
+    if led is not None and not np.abs(led).max(initial=0.0) > NOTHING_ASKED:
+        led = None
     if local.is_one_family:
         return _one_of_many(geometry, angles, local, led, rank)
     known, of = geometry.lately(
         ("branches", angles.tobytes(), fit), lambda: _known(geometry, angles, local, fit)
     )
     found = list(known)
-    if led is not None and (local.basis.shape[1] > FEW_FREE or of >= MOST):
-        pushed = itertools.islice(_pushed(geometry, angles, local, led, fit), 1)
-        near = [(x, local.freedoms(x, fit.family)) for x in pushed]
-        asked = _followed(geometry, angles, local, near + _near(local, led, fit), fit)
+    are_more = local.basis.shape[1] > FEW_FREE or of >= MOST
+    in_families = any(
+        branch.freedoms > 1 + local.loose for branch in known
+    )  # whose examples know of no loads
+    if led is not None and (are_more or in_families):
+        pushed = itertools.islice(_pushed(geometry, angles, local, led, fit, by_work=not are_more), 1)
+        zeros = [(x, local.freedoms(x, fit.family)) for x in map(local.without_loose, pushed)]
+        if are_more or not zeros:
+            zeros += _near(local, led, fit)
+        asked = _followed(geometry, angles, local, zeros, fit)
         found += [branch for branch in asked if not any(_are_same(branch, other, fit) for other in found)]
     return tuple(found)
 
@@ -111,11 +121,11 @@ def _followed(
 
 
 def _pushed(
-    geometry: LoopGeometry, angles: Array, tangents: Tangents, led: Array, fit: Fit
+    geometry: LoopGeometry, angles: Array, tangents: Tangents, led: Array, fit: Fit, *, by_work: bool
 ) -> Iterator[Array]:
-    """Zeros (d,) on which loads do much work."""
+    """Zeros (d,) on which loads do much work; by_work: of few free rates most of it first."""
     inertia = geometry.inertia(angles, tangents.basis.T)
-    return least_constrained(tangents, inertia, led, fit)
+    return least_constrained(tangents, inertia, led, fit, by_work=by_work)
 
 
 def _near(tangents: Tangents, led: Array, fit: Fit) -> list[tuple[Array, int]]:
@@ -153,7 +163,7 @@ def _one_of_many(
     if rank is not None:
         usual_freedoms = basis.shape[0] - rank
     corners: list[tuple[int, Array]] = []
-    pushed = iter(()) if led is None else _pushed(geometry, angles, tangents, led, EXACTLY)
+    pushed = iter(()) if led is None else _pushed(geometry, angles, tangents, led, EXACTLY, by_work=True)
     near = (local.nearest(basis, wanted) for wanted in [*asked, *(local.random * local.held)])
     for rates in itertools.chain((basis @ x for x in pushed), near):
         if rates is None:

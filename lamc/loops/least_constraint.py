@@ -11,7 +11,7 @@ a Miura sheet fold as they rest then, though a fold along a straight line may ha
 (graduated optimisation: A. Blake and A. Zisserman, "Visual reconstruction", 1987).
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -29,14 +29,26 @@ SAMPLES = 4  # rows by which the sizes of forms are told
 SINGULAR = 1e-14  # of the largest: forms that depend on one another are solved for all the same
 DAMPED = 1e-3  # of the mean of the diagonal: where Newton's method begins
 SHORTEST = 1e-3  # of a step along the cone
+FEW = 40  # free rates: of more, each way to the cone takes a tenth of a second and more
 # Of the size of what is asked for, where that itself leads to a corner: what is alike in two creases does not stay so.
 BESIDE = (0.0, 0.1, 0.1, 0.3, 0.3)
+FARTHER = (
+    0.6,
+    0.6,
+    1.0,
+    1.0,
+    1.0,
+    1.0,
+)  # of few free rates besides: the work has several tops along the cone
 
 
-def least_constrained(tangents: Tangents, inertia: Array, asked: Array, fit: Fit) -> Iterator[Array]:
+def least_constrained(
+    tangents: Tangents, inertia: Array, asked: Array, fit: Fit, *, by_work: bool = False
+) -> Iterator[Array]:
     """Zeros (d,) of length one of all forms, near to the rates (n,) that loads ask for, by the inertia (d, d) of the
-    free rates: where these lead, and then where rates a little beside them do. Yields nothing where the inertia is
-    singular, or nothing is asked for."""
+    free rates: where these lead, and then where rates a little beside them do. by_work: of few free rates, from farther
+    about as well, those on which most work is done first. Yields nothing where the inertia is singular, or nothing is
+    asked for."""
     try:
         upper = np.linalg.cholesky(inertia).T
     except np.linalg.LinAlgError:
@@ -48,12 +60,20 @@ def least_constrained(tangents: Tangents, inertia: Array, asked: Array, fit: Fit
         return
     wanted = wanted / size
     cone = _Cone(tangents, np.asarray(upper), np.asarray(by_energy), fit)
+    by_work = by_work and len(wanted) <= FEW
+    found = _arrivals(cone, wanted, BESIDE + FARTHER if by_work else BESIDE)
+    for y in sorted(found, key=lambda y: -float(wanted @ y)) if by_work else found:
+        rates = by_energy @ y
+        yield rates / np.linalg.norm(rates)
+
+
+def _arrivals(cone: "_Cone", wanted: Array, beside: Sequence[float]) -> Iterator[Array]:
+    """Points of the cone on which the work is at a top, from starts so far beside what is wanted."""
     random = np.random.default_rng(20261128)
-    for beside in BESIDE:
-        found = cone.arrived(_softly(cone, wanted + beside * cone.drawn(random)))
+    for share in beside:
+        found = cone.arrived(_softly(cone, wanted + share * cone.drawn(random)))
         if found is not None:
-            rates = by_energy @ _raised(cone, wanted, found)
-            yield rates / np.linalg.norm(rates)
+            yield _raised(cone, wanted, found)
 
 
 class _Cone:

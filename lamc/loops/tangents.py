@@ -91,6 +91,18 @@ class Tangents:
             return int(np.count_nonzero(~self.local.held))
         return int(self.basis.shape[1] - self.held.shape[1])
 
+    def without_loose(self, x: Array) -> Array:
+        """A zero (d,) of length one without the rates that no form holds; itself, where there is nothing else."""
+        if not self.loose:
+            return x
+        if self.local is None:
+            within = self.held @ (self.held.T @ x)
+        else:
+            rows = self.basis[self.local.held]
+            within = rows.T @ (rows @ x)
+        length = float(np.linalg.norm(within))
+        return within / length if length > EXACTLY.same else x
+
     def values(self, x: Array) -> Array:
         """The forms (count,) at a row (d,) of the null space."""
         return np.asarray(self.forms @ x @ x) if self.local is None else self.local.values(self.basis @ x)

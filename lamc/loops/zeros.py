@@ -49,9 +49,7 @@ def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Arra
     Rates that no form holds, as those of a flap outside all loops, go with all zeros. They are no way of their own, and
     others are looked for without them: Newton's method would lead to them, as forms of next to nothing are nil."""
     if tangents.local is not None:
-        within = tangents.basis[tangents.local.held]
-        zeros = [(within.T @ (within @ x), freedoms) for x, freedoms in _of_all(tangents, preferred, fit)]
-        return [(x / np.linalg.norm(x), freedoms) for x, freedoms in zeros]
+        return [(tangents.without_loose(x), freedoms) for x, freedoms in _of_all(tangents, preferred, fit)]
     loose, held = tangents.loose, tangents.held
     if not loose:
         return _of_all(tangents, preferred, fit)

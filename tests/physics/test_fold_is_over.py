@@ -131,8 +131,10 @@ def test_a_flap_that_swings_through_ends_no_run(tmp_path: Path) -> None:
     inner = {name for ring in simulator._rings for name in ring}
     # The ways out are those of the sheet without its flap, which no form holds and which is no way by itself.
     plain = lamc.compile(load(tmp_path, resting_flat(miura(3, 3))))
-    assert [b.freedoms for b in simulator.branches] == [b.freedoms + 1 for b in plain.branches]
-    for one, other in zip(simulator.branches, plain.branches, strict=True):
+    # What loads ask for comes after them, and they ask for another one where the flap pulls.
+    known = len(plain.branches)
+    assert [b.freedoms for b in simulator.branches[:known]] == [b.freedoms + 1 for b in plain.branches]
+    for one, other in zip(simulator.branches[:known], plain.branches, strict=True):
         assert [one.rates[name] for name in sorted(inner)] == pytest.approx(
             [other.rates[name] for name in sorted(inner)], abs=1e-6
         )

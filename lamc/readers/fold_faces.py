@@ -51,7 +51,7 @@ def faces_of(
     check_planar(points, edges, number)
     kept = _pruned(edges)
     if len(kept) < len(edges):
-        left = ", ".join(str(k) for k in sorted(set(range(len(edges))) - set(kept))[:8])
+        left = ", ".join(str(number(k)) for k in sorted(set(range(len(edges))) - set(kept))[:8])
         notes.append(
             f"edges {left}{', …' if len(edges) - len(kept) > 8 else ''} end within a facet or lie outside all: they "
             "part nothing and are left out"

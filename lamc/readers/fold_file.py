@@ -125,8 +125,8 @@ class _Reader:
         edges = self._edges(data, len(vertices), faces)
         if data.get("faceOrders") or data.get("edgeOrders"):
             self.notes.append("the order of layers (faceOrders) is not used: facets pass through one another")
-        kinds = self._kinds(data, len(edges))
         angles = self._angles(data, len(edges))
+        kinds = self._kinds(data, angles)
         kept = self._once(edges, kinds, angles)
         edges, faces, kept = with_seams(vertices, edges, kinds, angles, faces, kept, self.notes)
         title = next((t for t in (data.get("frame_title"), data.get("file_title")) if isinstance(t, str)), "")
@@ -240,15 +240,15 @@ class _Reader:
                 raise self.error(f"{what} names vertex {shown(each)}; vertices are 0 to {count - 1}")
         return tuple(value)
 
-    def _kinds(self, data: Data, count: int) -> str:
+    def _kinds(self, data: Data, angles: Sequence[float | None]) -> str:
         if not data.get("edges_assignment"):
-            if "edges_foldAngle" not in data:
+            if not any(angle is not None for angle in angles):
                 self.notes.append(
                     "the file has no edges_assignment: every edge between two facets is a hinge without a spring (U)"
                 )
-            return "U" * count
+            return "U" * len(angles)
         kinds = []
-        for index, kind in enumerate(self._list(data, "edges_assignment", count, "edges")):
+        for index, kind in enumerate(self._list(data, "edges_assignment", len(angles), "edges")):
             if not isinstance(kind, str) or len(kind) != 1 or kind.upper() not in KINDS:
                 raise self.error(
                     f"edge {index} has the assignment {shown(kind)}; it must be one of {', '.join(KINDS)}"

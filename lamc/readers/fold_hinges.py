@@ -70,9 +70,14 @@ class Hinges:
             lever = min(_about(bodies[names[g]], point, axis) for g in (parent, child))
             joints.append(self._joint(crease, (names[parent], names[child]), (point, axis), length, lever))
         if creases and self.crease is None and self.own.hinges is None:
+            driven = any(joint.stiffness > 0.0 for joint in joints)
+            what = (
+                "creases are taken to have"
+                if driven
+                else "hinges have no spring, and are damped as if it had"
+            )
             self.notes.append(
-                f"creases are taken to have {CREASE:g} N*mm/rad for each mm (--crease '{CREASE:g} N*mm/mm/rad' says "
-                "another)"
+                f"{what} {CREASE:g} N*mm/rad for each mm (--crease '{CREASE:g} N*mm/mm/rad' says another)"
             )
         if self._mixed:
             counting = self.frame.told(list(self._mixed.values()))
@@ -107,8 +112,9 @@ class Hinges:
         stiffness = per_length * length if drives else 0.0
         damping = 2.0 * _DAMPED * math.sqrt(per_length * length * lever)
         if own:
-            rest, damping = own.rest_angle, own.damping
-            stiffness = own.stiffness if self.crease is None else stiffness
+            rest = own.rest_angle
+            if self.crease is None:
+                stiffness, damping = own.stiffness, own.damping
         return Joint(name, *ends, *line, stiffness, damping, rest)
 
     def _rest(self, crease: Crease, name: str) -> tuple[bool, float]:

@@ -9,7 +9,8 @@ from lamc.basics.errors import DesignError
 from lamc.readers.drawings.heal import check_crossings
 from lamc.readers.fold_faces import check_count, check_planar
 from lamc.readers.fold_file import FoldFrame
-from lamc.readers.fold_sheet import is_level, unit_of
+from lamc.readers.fold_level import is_level
+from lamc.readers.fold_sheet import unit_of
 from lamc.records.card import SheetOptions
 from lamc.records.drawing import Drawing, Role, Stroke
 

@@ -30,6 +30,7 @@ from lamc.readers.fold_file import LINK, FoldFrame
 from lamc.readers.fold_flat import Beside, Corners, angles_of, laid_flat, normals_of
 from lamc.readers.fold_groups import IN_LINE, Crease, grouped, joined_edges, pieces_of
 from lamc.readers.fold_hinges import Hinges
+from lamc.readers.fold_level import LEVEL, SIDED, is_level, levelled
 from lamc.readers.fold_locked import locked_creases
 from lamc.readers.fold_own import Own, own_of
 from lamc.readers.fold_start import fitted
@@ -38,7 +39,6 @@ from lamc.records.mechanism import Body, Joint, Mechanism, Slab
 from lamc.records.network import listed_names
 from lamc.records.scene import Scene
 
-_LEVEL = 1e-6  # of the sheet's size: heights by which a flat drawing may differ
 _SLIVER = 1e-2  # of the smaller facet: rounded corners of a folded sheet leave slivers where it is laid flat
 # m: sheets that hands fold; where millimetres make no such sheet, the numbers are shares of one
 HAND = (0.02, 2.0)
@@ -46,7 +46,6 @@ USUAL = 0.1  # m, the longer side of a sheet then
 OFF = 1e-3  # of the sheet's size: loops of a drawn sheet that close so far are meant to close, and paper yields more
 MOST_LOCKED = 0.5  # of the creases: beyond, what rigid facets fold is not what is drawn
 _TURNED = 1e-6  # rad: less is round-off of a flat sheet's corners
-_SIDED = 1e-2  # rad: less does not tell one side from the other, where coordinates have four digits
 
 
 def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple[Mechanism, list[str]]:
@@ -97,12 +96,6 @@ def unit_of(frame: FoldFrame, options: SheetOptions, notes: list[str]) -> float:
     return USUAL / longest
 
 
-def is_level(frame: FoldFrame) -> bool:
-    """Whether the frame lies in a plane of constant z."""
-    used = frame.vertices[np.unique(np.array(frame.edges))]
-    return float(np.ptp(used[:, 2])) <= _LEVEL * float(np.linalg.norm(np.ptp(used, axis=0)))
-
-
 @dataclass(frozen=True)
 class _Facets:
     """Faces with what is beside them; corners in the plane, m; angles at the start, rad, by joined edge."""
@@ -123,6 +116,7 @@ class _Sheet:
         self.points = frame.vertices * unit_of(frame, options, self.notes)
         used = self.points[np.unique(np.array(frame.edges))]
         self.size = float(np.linalg.norm(np.ptp(used, axis=0))) or 1.0
+        self.seen: tuple[shapely.Polygon, ...] = ()  # faces along z, of a sheet that is not level; m
         self.drawn = 0  # creases of a flat sheet
         self.locked_most = ""  # why rigid facets leave too little of the fold; empty: they do not
 
@@ -184,7 +178,7 @@ class _Sheet:
             joint.name
             for joint in joints
             if start.get(joint.name, 0.0) * joint.rest_angle < 0.0
-            and min(abs(start[joint.name]), abs(joint.rest_angle)) > _SIDED
+            and min(abs(start[joint.name]), abs(joint.rest_angle)) > SIDED
         ]
         if apart:
             degrees = np.degrees(start[apart[0]])
@@ -211,13 +205,18 @@ class _Sheet:
 
     def facets(self) -> _Facets:
         """Faces, flat or laid flat. Raises DesignError where they cannot be."""
+        check_count(len(self.frame.edges), "edges", large=self.options.large)
+        level = is_level(self.frame)
+        if not level and self.frame.faces is not None and not self.frame.own:
+            self.seen = tuple(shapely.Polygon(self.points[list(face), :2]) for face in self.frame.faces)
+            flat = levelled(self.frame, self.points, self.size, self.notes)
+            if flat is not None:
+                self.points, level = flat, True
         frame, points = self.frame, self.points
-        check_count(len(frame.edges), "edges", large=self.options.large)
-        level = is_level(frame)
         if frame.faces is None:
             if not level:
                 spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-                if not (spread[2:] > _LEVEL * spread[0]).any():
+                if not (spread[2:] > LEVEL * spread[0]).any():
                     raise DesignError(
                         "the sheet lies flat in another plane than x and y, and lists no faces_vertices, which say "
                         "what is above: turn it into x and y, or list its faces"
@@ -321,9 +320,19 @@ class _Sheet:
                 raise DesignError(f"no facet is named {given[:40]!r}; they are F0 to F{len(groups) - 1}")
             chosen = [by_name[given]]
         elif given is not None:
-            within = [k for k, polygon in enumerate(polygons) if polygon.covers(shapely.Point(given))]
+            point, seen = shapely.Point(given), self.seen or polygons
+            place = f"({given[0]:g}, {given[1]:g}) m"
+            within = [k for k, each in enumerate(seen) if each.is_valid and each.covers(point)]
             if not within:
-                raise DesignError(f"no facet is at ({given[0]:g}, {given[1]:g}) m; fixed must lie inside one")
+                raise DesignError(
+                    f"no facet is at {place}; fixed must lie inside one, in the file's own x and y"
+                )
+            over = [k for k in within if self.seen[k].contains(point)] if self.seen else []
+            if len(over) > 1:
+                listed = listed_names([names[groups[k]] for k in over])
+                raise DesignError(
+                    f"at {place} several facets lie over one another, {listed}: name one, as --fixed F1"
+                )
             chosen = [groups[within[0]]]
         elif own.fixed is not None:
             chosen = sorted({group for group, name in names.items() if name in own.fixed})

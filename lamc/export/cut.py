@@ -145,6 +145,13 @@ def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
         lines = [line for line in lines if line.pen.name not in _BORDERS]
         lines += rings_of(list(grown.geoms), ROLES["border"], ROLES["hole"])
         notes += narrow("sheet", pieces, grown, options.kerf)
+        cuts = sum(line.pen.name == "cut" for line in lines)
+        if cuts:
+            notes.append(
+                f"{cuts} cut{'s are' if cuts > 1 else ' is'} cut once, along the line, and no kerf is allowed for "
+                f"there: what lies beside loses {1e6 * options.kerf / 2:.4g} um; where a part is to be exact, draw its "
+                "rim as an outline or a hole"
+            )
     if mechanism.facet_creases:
         notes.append(
             f"facets bend as they are: the {len(mechanism.facet_creases)} lines along which they do are not drawn"

@@ -12,6 +12,7 @@ from typing import Any
 from shapely.geometry import MultiPolygon
 
 from lamc.basics.errors import DesignError, LamcError, Place, warn
+from lamc.readers.drawings.roles import is_angle_note
 from lamc.readers.popupcad_beside import Beside
 from lamc.readers.schema import DrawnModel
 from lamc.records.card import SheetOptions
@@ -27,6 +28,10 @@ _AS_KEYS = (
 # What notes say of lines without a role: of other layers than one whose lines have theirs from the design.
 _OTHERS = (" is for nothing (", "neither layer nor colour says what for")
 
+_ANGLES_ARE_NOT_READ = (
+    "the drawing says at which angles its creases rest, by layer or opacity, which is not read here: rest_angle says "
+    "where a hinge of a design does"
+)
 _Key = tuple[Any, ...]
 
 
@@ -47,11 +52,23 @@ class Drawings:
         found: MultiPolygon = self._once(shape_of, "border", entry, place, mends)
         return found
 
-    def lines(self, entry: DrawnModel, place: Place, mends: list[Mend]) -> tuple[Line, ...]:
-        """As `region`, of hinge lines."""
-        from lamc.readers.drawings.layer_shape import lines_of
+    def lines(self, entry: DrawnModel, place: Place, mends: list[Mend], *, rests: bool) -> tuple[Line, ...]:
+        """As `region`, of hinge lines. rests: whether the design says at which angle."""
+        from lamc.readers.drawings.layer_shape import in_a_row, lines_of, says_angles, tolerance_of
+        from lamc.readers.drawings.telling import millimetres
 
         found: tuple[Line, ...] = self._once(lines_of, "hinge", entry, place, mends)
+        drawing = self._drawing(entry, "hinge", place)
+        row = in_a_row(found, tolerance_of(drawing, entry.heal))
+        if row:
+            also = " and elsewhere" if len(row) > 1 else ""
+            warn(
+                f"{entry.file}: hinge lines go on straight where they meet, at {millimetres(row[0])}{also}: each is a "
+                "hinge of its own with all that is said of it; draw one line, if they are one",
+                place,
+            )
+        if not rests and says_angles(drawing, entry.layer):
+            warn(f"{entry.file}: {_ANGLES_ARE_NOT_READ}", place)
         return found
 
     def _once(self, take: Any, role: Role, entry: DrawnModel, place: Place, mends: list[Mend]) -> Any:
@@ -87,7 +104,7 @@ class Drawings:
         roles = named if says else roles
         drawing, key = self._as(entry, roles), _key(entry, roles)
         for note in drawing.notes if key not in self._told else ():
-            if not (says and any(words in note for words in _OTHERS)):
+            if not (says and any(words in note for words in _OTHERS)) and not is_angle_note(note):
                 warn(f"{entry.file}: {in_keys(note)}", place)
         self._told.add(key)
         return drawing

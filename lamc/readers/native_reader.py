@@ -259,7 +259,8 @@ class DesignReader:
         at: Path = (*path, "lines")
         if not isinstance(hinge.lines, DrawnModel):
             return hinge.lines or [], [(*at, i) for i in range(len(hinge.lines or []))]
-        take = partial(self.drawings.lines, hinge.lines, self.problems.place(at), self.mends)
+        rests = "rest_angle" in hinge.model_fields_set
+        take = partial(self.drawings.lines, hinge.lines, self.problems.place(at), self.mends, rests=rests)
         found = self.problems.attempt(at, take) or ()
         return found, [at] * len(found)
 

@@ -439,10 +439,20 @@ def test_a_slit_in_a_sheet_is_a_cut(tmp_path: Path) -> None:
     data = corpus.box_net()
     hinge = data["edges_assignment"].index("V")
     data["edges_assignment"][hinge], data["edges_foldAngle"][hinge] = "C", None
-    lines = dxf_lines(cut(sheet(data, tmp_path))["sheet.dxf"])
+    made = sheet(data, tmp_path)
+    lines = dxf_lines(cut(made)["sheet.dxf"])
     names = [name for name, *_ in lines]
     assert names.count("cut") == 1
     assert sum(name.startswith("valley") for name in names) == 4
+    # A kerf moves outlines, and a cut, which has two sides, stays.
+    beside = dxf_lines(cut(made, kerf="0.2 mm")["sheet.dxf"])
+    (slit,), (same,) = ([p for name, _, p in each if name == "cut"] for each in (lines, beside))
+    assert np.array_equal(slit, same)
+    text = (
+        "1 cut is cut once, along the line, and no kerf is allowed for there: what lies beside loses 100 um"
+    )
+    assert any(text in note for note in told(cut(made, kerf="0.2 mm")))
+    assert not any("cut once" in note for note in told(cut(made)))
 
 
 def test_kerf_and_dashes_of_a_sheet(tmp_path: Path) -> None:

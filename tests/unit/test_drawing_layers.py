@@ -18,8 +18,11 @@ from hypothesis import strategies as st
 import lamc
 from lamc.basics.errors import DesignWarning
 from lamc.cli import main
-from lamc.readers.drawings.layer_shape import lines_of, shape_of
+from lamc.readers.drawings.layer_shape import in_a_row, lines_of, shape_of
+from lamc.readers.drawings.svg import read_svg
+from lamc.readers.inert import Limits
 from lamc.readers.load import load_text
+from lamc.records.card import SheetOptions
 from lamc.records.drawing import ROLES
 from tests.support.drawn_corpus import drawing, line, square
 from tests.support.four_bar import written_out
@@ -143,6 +146,47 @@ def test_several_lines_are_several_hinges_with_numbers(tmp_path: Path) -> None:
     ]
     assert told == []
     assert made.mends == ()
+
+
+@pytest.mark.parametrize(
+    ("joint", "told"),
+    [
+        ('<path d="M20 0 V8 M20 8 V20"/>', True),
+        ('<path d="M20 8 V0"/><path d="M20 5 V20"/>', True),  # over one another from 5 to 8
+        ('<path d="M20 0 V8 M20 12 V20"/>', False),
+        ('<path d="M20 0 V10 V20"/>', False),  # one line
+        ('<path d="M20 0 V10 M20 10 V20 M0 10 H40"/>', False),  # a vertex
+        ('<path d="M20 0 V10 M20 10 V20 M20 10 H40"/>', False),
+    ],
+)
+def test_hinge_lines_that_go_on_straight_where_they_meet_are_told(joint: str, told: bool) -> None:
+    drawing = read_svg(svg({"joint": joint}).encode(), "top.svg", SheetOptions(), Limits())
+    found, _ = lines_of(drawing, "joint", None)
+    assert bool(in_a_row(found, 1e-5)) == told
+
+
+def test_pieces_of_a_hinge_line_are_told_with_the_place(tmp_path: Path) -> None:
+    made, told = small(tmp_path, joint='<path d="M20 0 V8 M20 8 V20"/>')
+    assert len(made.hinges[0].lines) == 2
+    assert any(
+        "hinge lines go on straight where they meet, at (20, 8) mm: each is a hinge" in note for note in told
+    )
+
+
+@pytest.mark.parametrize(("rest", "told"), [("", True), (", rest_angle: -90 deg", False)])
+def test_an_angle_that_a_drawing_says_is_told_not_to_be_read_in_a_design(
+    tmp_path: Path, rest: str, told: bool
+) -> None:
+    text = SMALL.replace("layer: joint}, gap: 0.4", "layer: mountain_90}, gap: 0.4" + rest)
+    drawn = svg({"body": BODY, "mountain_90": '<path d="M20 0 V20"/>'})
+    (tmp_path / "top.svg").write_text(drawn, encoding="utf-8")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", DesignWarning)
+        made = load(tmp_path, text, "small.yaml")
+    notes = [str(each.message) for each in caught]
+    assert not any("as its name says" in note for note in notes)
+    assert any("which is not read here: rest_angle says where" in note for note in notes) == told
+    assert np.degrees(made.hinges[0].rest_angle) == pytest.approx(0.0 if told else -90.0)
 
 
 def test_cuts_and_fixed_regions_come_from_drawings_too(tmp_path: Path) -> None:

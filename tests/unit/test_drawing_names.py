@@ -52,6 +52,14 @@ def drawn(folder: Path, body: str) -> Path:
         ("mountain 45 copy", -45.0),
         ("Mountain_90_copy_2", -90.0),
         ("valley copy 30", None),
+        ("hinge_45", None),  # laminates number their joints
+        ("joint 12", None),
+        ("hinge(45)", 45.0),
+        ("joint(-30)", -30.0),
+        ("hinge_45deg", 45.0),
+        ("joints 30°", 30.0),
+        ("M90", None),
+        ("v2", None),
     ],
 )
 def test_a_small_number_after_a_hyphen_counts_copies(name: str, degrees: float | None) -> None:
@@ -88,6 +96,39 @@ def test_a_group_in_a_layer_is_of_the_layer(inner: str) -> None:
     drawing = read_svg(f"{HEAD}{layer}</svg>".encode(), "sheet.svg", SheetOptions(), lamc.Limits())
     region, _ = shape_of(drawing, "top", None)
     assert 1e6 * region.area == pytest.approx(1100.0, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [
+        ("M", "mountain"),
+        ("v", "valley"),
+        ("M layer", "mountain"),
+        ("M3", None),
+        ("M10", None),
+        ("V2", None),
+        ("m_90", None),
+    ],
+)
+def test_a_letter_says_a_fold_by_itself_alone(name: str, role: str | None) -> None:
+    """M3 is a screw, and v2 a version of a drawing."""
+    assert layer_role(name) == role
+
+
+def test_lines_on_a_layer_for_nothing_are_told_of_dxf_as_of_svg(tmp_path: Path) -> None:
+    document = ezdxf.new("R2010", units=4)
+    space = document.modelspace()
+    space.add_lwpolyline([(0, 0), (60, 0), (60, 20), (0, 20)], close=True)
+    for k, layer in enumerate(("Engrave", "Engrave", "Notes", "M3")):
+        space.add_circle((10 * k + 10, 10), 2, dxfattribs={"layer": layer})
+    document.saveas(tmp_path / "sheet.dxf")
+    sheet, notes = read(tmp_path / "sheet.dxf")
+    for lines in ("2 lines on layer 'Engrave'", "1 line on layer 'Notes'"):
+        assert any(
+            f"{lines}, colour #000000: left out, as the layer is for nothing" in note for note in notes
+        )
+    area = 1e6 * sum(slab.polygon.area for body in sheet.bodies for slab in body.outline)
+    assert area == pytest.approx(1200.0 - 4.0 * math.pi, rel=1e-4)  # chords of the circle
 
 
 def test_a_colour_that_is_near_one_is_told_of_dxf_as_of_svg(tmp_path: Path) -> None:

@@ -36,14 +36,12 @@ in DXF the angle ends the layer's name."""
 
 def readme(data: Mapping[str, Any]) -> str:
     """The text of README.md."""
-    kerf = (
-        f"Lines are {1e3 * data['kerf'] / 2:g} mm beside the edges, for a kerf of {1e3 * data['kerf']:g} mm."
-        * bool(data["kerf"])
-    )
+    width = 1e3 * data["kerf"]
+    beside = f"Outlines and holes are {width / 2:g} mm beside the edges, for a kerf of {width:g} mm."
     text = [
         f"# Cut files of {markdown(data['design'])}",
         "Real size: 1 is 1 mm. DXF and SVG show the same. "
-        + (kerf or "Lines are the edges; no kerf is allowed for."),
+        + (beside if width else "Lines are the edges; no kerf is allowed for."),
         "| file | layer, from below | material | thickness | parts | area | mass |\n|---|---|---|---|---|---|---|\n"
         + "\n".join(_row(each) for each in data["layers"]),
         _SHEET if data["kind"] == "sheet" else _LAMINATE,

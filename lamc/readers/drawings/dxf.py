@@ -107,7 +107,11 @@ class _Reader:
         """Where layer and colour say different things, or a layer's name is nearly one that says something."""
         lines = f"{count} line{'s' if count > 1 else ''} on layer {layer[:60]!r}, colour {colour}"
         meant = meant_layer(layer)
-        if meant is not None:
+        if role == "ignore":
+            self.notes.append(
+                f"{lines}: left out, as the layer is for nothing (--role '{layer[:60]}=cut' says what for)"
+            )
+        elif meant is not None:
             self.notes.append(f"{lines}: {role}, by the colour; if the layer is to be {meant!r}, name it so")
         elif layer_role(layer) is not None and colour_role(colour) not in (None, role, "border"):
             self.notes.append(f"{lines}: {role}, whatever the colour (--role '{layer[:60]}=…' says another)")

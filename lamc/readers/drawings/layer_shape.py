@@ -9,6 +9,8 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+import shapely
+from shapely import STRtree
 from shapely.geometry import MultiPolygon
 
 from lamc.basics.errors import DesignError
@@ -22,6 +24,7 @@ from lamc.records.drawing import Drawing, Mend, Role, Stroke
 from lamc.records.mechanism import Array
 from lamc.records.network import listed_names
 
+Point = tuple[float, float]
 _ROUND = frozenset[Role]({"border", "hole", "cut"})
 _HEAL = "heal:"  # as a design says it
 _NO_WIDTH = "line that parts nothing, as it has no width"  # a slit does
@@ -42,7 +45,7 @@ def shape_of(
     # A layer of holes alone is asked for as a shape: to be cut.
     only = all(stroke.role == "hole" for stroke in drawn)
     strokes = [s if s.role == "hole" and not only else replace(s, role="border") for s in drawn]
-    tolerance = _tolerance(drawing, heal)
+    tolerance = tolerance_of(drawing, heal)
     graph = healed(strokes, tolerance)
     kept = parting(graph.points, graph.edges)
     loose = left_out(graph, strokes, kept, tolerance, _HEAL)
@@ -68,7 +71,8 @@ def lines_of(
 ) -> tuple[tuple[Line, ...], tuple[Mend, ...]]:
     """The straight hinge lines of a layer, m, from start to end as drawn, in the order of their lower left ends.
 
-    Doubled ones count once, and pieces in a row are one line. Raises DesignError for a layer that there is not.
+    Doubled ones count once, and pieces in a row are one line, of one stroke. Raises DesignError for a layer that
+    there is not.
     """
     strokes = _chosen(drawing, layer, CREASES, "hinge lines")
     pieces = [
@@ -76,7 +80,7 @@ def lines_of(
         for stroke in strokes
         for a, b in pairwise(_corners(stroke))
     ]
-    graph = healed(pieces, _tolerance(drawing, heal))
+    graph = healed(pieces, tolerance_of(drawing, heal))
     found: list[Line] = []
     by_piece: dict[int, list[Array]] = {}
     for (a, b), k in zip(graph.edges, graph.strokes, strict=True):
@@ -90,9 +94,41 @@ def lines_of(
     return tuple(sorted(found, key=lambda line: (min(line), max(line)))), graph.mends
 
 
+def in_a_row(lines: Sequence[Line], tolerance: float) -> list[Point]:
+    """Places, m, where two lines meet, and no third one, and go on straight: pieces of one hinge, perhaps."""
+    far: dict[Point, list[Point]] = {}
+    for start, end in lines:
+        far.setdefault(start, []).append(end)
+        far.setdefault(end, []).append(start)
+    straight = [
+        place
+        for place, ends in far.items()
+        if len(ends) == 2
+        and np.subtract(place, ends[0]) @ np.subtract(ends[1], place) > 0.0
+        and _aside(place, *ends) <= tolerance
+    ]
+    if not straight:
+        return []
+    tree = STRtree(shapely.linestrings(lines))
+    near = tree.query(shapely.points(straight), "dwithin", tolerance)[0]
+    return [place for k, place in enumerate(straight) if np.count_nonzero(near == k) == 2]
+
+
+def _aside(place: Point, start: Point, end: Point) -> float:
+    """How far a place lies from the line between two others, m."""
+    along, off = np.subtract(end, start), np.subtract(place, start)
+    return abs(float(along[0] * off[1] - along[1] * off[0])) / (float(np.linalg.norm(along)) or 1.0)
+
+
+def says_angles(drawing: Drawing, layer: str | None) -> bool:
+    """Whether a hinge line of a layer rests at an angle that is drawn, other than by an opacity that nobody chose."""
+    chosen = _chosen(drawing, layer, CREASES, "hinge lines")
+    return any(stroke.angle and not stroke.full for stroke in chosen)
+
+
 def told_of(mends: Sequence[Mend], heal: float | None, drawing: Drawing) -> list[str]:
     """Lines for a user."""
-    return told(mends, _tolerance(drawing, heal), _HEAL)
+    return told(mends, tolerance_of(drawing, heal), _HEAL)
 
 
 def _chosen(drawing: Drawing, layer: str | None, roles: frozenset[Role], what: str) -> list[Stroke]:
@@ -137,7 +173,8 @@ def _middle(graph: Graph, edge: int) -> tuple[float, float]:
     return x, y
 
 
-def _tolerance(drawing: Drawing, heal: float | None) -> float:
+def tolerance_of(drawing: Drawing, heal: float | None) -> float:
+    """How far lines may be off, m."""
     return DEFAULT * size_of(drawing.strokes) if heal is None else heal
 
 

@@ -69,7 +69,8 @@ _LAYERS: dict[Role, tuple[str, ...]] = {
 }
 # Their colours say which way they fold; other colours, and none, leave them sprung and flat.
 _FOLDS = ("fold", "crease", "fold line", "crease line", "score", "score line", "bend", "bend line")
-_JOINTS = _LAYERS["hinge"]  # laminates number them
+_JOINTS = _LAYERS["hinge"]  # laminates number them: degrees stand in brackets there, or with their unit
+_LETTERS = ("m", "v")  # by themselves alone: M3 is a screw, and v2 a version
 _FEWEST_DEGREES = 10.0
 _BY_NAME: dict[str, Role] = {name: role for role, names in _LAYERS.items() for name in names}
 for _role in ("mountain", "valley", "undriven", "flat"):
@@ -79,6 +80,7 @@ _WITH_NUMBER = re.compile(
     r"(.*?[^0-9.+-])[\s_(=-]*?([+-]?[0-9]+(?:\.[0-9]*)?)\s*(?:°|deg|degrees)?\)?\Z", re.DOTALL
 )
 
+_BY_NAME_SAID = ", as its name says"
 _COPY = re.compile(r"(?<![a-z])copy[\s_-]*[0-9]*\Z", re.IGNORECASE)  # of a layer: "mountain 45 copy 2"
 
 
@@ -120,9 +122,11 @@ def layer_angle(name: str) -> float | None:
 
     A small bare number, "mountain 2" or "mountain-2", counts layers and is no angle.
     """
-    role, name = layer_role(name), _bare(name)
+    role, word, name = layer_role(name), layer_name(name), _bare(name)
     found = _WITH_NUMBER.match(name)
-    if found is None or role not in ("mountain", "valley", "hinge") or layer_name(name) in _JOINTS:
+    if found is None or role not in ("mountain", "valley", "hinge"):
+        return None
+    if word in _JOINTS and name[-1].isdigit():
         return None
     degrees = float(found[2])
     # A hyphen amid the name parts it from a number, as programs write spaces and number copies.
@@ -139,7 +143,12 @@ def layer_angle(name: str) -> float | None:
 
 def angle_note(layer: str, angle: float) -> str:
     """That the name of a layer says the angle, rad, of its creases."""
-    return f"creases on layer {layer[:60]!r} rest at {math.degrees(angle):.6g} degrees, as its name says"
+    return f"creases on layer {layer[:60]!r} rest at {math.degrees(angle):.6g} degrees{_BY_NAME_SAID}"
+
+
+def is_angle_note(note: str) -> bool:
+    """Whether a line is one of `angle_note`."""
+    return note.endswith(_BY_NAME_SAID)
 
 
 def colour_role(colour: str | None) -> Role | None:
@@ -163,6 +172,8 @@ def layer_name(name: str) -> str:
     joined = " ".join(words)
     each = " ".join(word.removesuffix("s") for word in words)  # "folds mountain"
     for singular in (joined, joined.removesuffix("s"), joined.removesuffix("es"), each):
+        if singular in _LETTERS and found is not None:
+            return f"{joined} {found[2]}"
         if singular in _BY_NAME or singular in _FOLDS:
             return singular
     return "body" if joined == "bodies" else joined

@@ -15,14 +15,13 @@ import numpy as np
 from lamc.basics.readonly import ReadOnlyDict
 from lamc.loops.closing import CLOSED, SOLVE, settle
 from lamc.loops.geometry import LoopGeometry
-from lamc.loops.least_constraint import least_constrained
+from lamc.loops.least_constraint import FEW, least_constrained
 from lamc.loops.linear import EXACT
 from lamc.loops.tangents import EXACTLY, FEW_FREE, Fit, Tangents, tangents
 from lamc.loops.walks import walk
 from lamc.loops.zeros import MOST, arrivals, binary, spherical, usual
 from lamc.records.mechanism import Array
 
-Lead = Callable[[Array], Array]  # of closed angles (n,): rates (n,) that loads ask for
 OUT = 1e-3  # rad, of the joint that turns most: how far a start is moved out of a singular position
 BENDS = (
     50.0  # 1/rad: a branch bends by some radians per square radian; farther from the tangent is another one
@@ -31,10 +30,25 @@ FAINT = 1e-5  # of the largest singular value: of loops that hold so little, acc
 # Rad, of the joint that turns most: how far a start is moved for that, by at most so many steps.
 FARTHEST, MOST_STEPS = 0.05, 12
 BENT = 0.1  # of such a step: what is farther from the tangent is another motion
-NOTHING_ASKED = 1e-9  # rad/s²: round-off of loads that balance one another
+BALANCED = (
+    1e-9  # of what single loads do along rates: as little is round-off of loads that balance one another
+)
 ASKED = 4  # directions about those that loads ask for, where not all branches are known
 ABOUT = 0.3  # of each rate: as far apart are these, so that what is alike in two creases does not stay so
 CORNERS = 8  # such directions that are tried where a zero is a corner of its family
+
+
+@dataclass(frozen=True)
+class Lead:
+    """What loads do from rest at closed angles (n,), rad.
+
+    asked  accelerations (n,) of the joints, rad/s², which hold the loops to first order
+    work   along rates (k, n): their power (k,), W, their inertia (k, k), and the powers of single loads, added up by
+           their sizes (k,): as round-off goes; None: the inertia of the bodies tells
+    """
+
+    asked: Callable[[Array], Array]
+    work: Callable[[Array, Array], tuple[Array, Array, Array]] | None = None
 
 
 @dataclass(frozen=True)
@@ -71,11 +85,9 @@ def find_branches(
     local = local or tangents(geometry, angles, fit)
     if not local.count:
         return ()
-    led = None if lead is None else lead(angles)
-    if led is not None and not np.abs(led).max(initial=0.0) > NOTHING_ASKED:
-        led = None
+    led = None if lead is None else lead.asked(angles)
     if local.is_one_family:
-        return _one_of_many(geometry, angles, local, led, rank)
+        return _one_of_many(geometry, angles, local, lead, rank)
     known, of = geometry.lately(
         ("branches", angles.tobytes(), fit), lambda: _known(geometry, angles, local, fit)
     )
@@ -84,10 +96,10 @@ def find_branches(
     in_families = any(
         branch.freedoms > 1 + local.loose for branch in known
     )  # whose examples know of no loads
-    if led is not None and (are_more or in_families):
-        pushed = itertools.islice(_pushed(geometry, angles, local, led, fit, by_work=not are_more), 1)
-        zeros = [(x, local.freedoms(x, fit.family)) for x in map(local.without_loose, pushed)]
-        if are_more or not zeros:
+    if lead is not None and led is not None and (are_more or in_families):
+        pushed = _pushed(geometry, angles, local, lead, fit, by_work=not are_more)
+        zeros = [(x, local.freedoms(x, fit.family)) for x in itertools.islice(pushed, 1)]
+        if are_more:
             zeros += _near(local, led, fit)
         asked = _followed(geometry, angles, local, zeros, fit)
         found += [branch for branch in asked if not any(_are_same(branch, other, fit) for other in found)]
@@ -121,11 +133,21 @@ def _followed(
 
 
 def _pushed(
-    geometry: LoopGeometry, angles: Array, tangents: Tangents, led: Array, fit: Fit, *, by_work: bool
+    geometry: LoopGeometry, angles: Array, tangents: Tangents, lead: Lead, fit: Fit, *, by_work: bool
 ) -> Iterator[Array]:
-    """Zeros (d,) on which loads do much work; by_work: of few free rates most of it first."""
-    inertia = geometry.inertia(angles, tangents.basis.T)
-    return least_constrained(tangents, inertia, led, fit, by_work=by_work)
+    """Zeros (d,) on which loads do much work; by_work: of few free rates most of it first. Rates that no form holds are
+    no way of their own, and are still, as they are where branches are compared."""
+    inner, held = tangents.inner, tangents.held
+    if by_work and lead.work is not None and inner.basis.shape[1] <= FEW:
+        pull, inertia, single = lead.work(angles, inner.basis.T)
+        if not (np.abs(pull) > BALANCED * single).any():
+            return iter(())
+    else:
+        inertia = geometry.inertia(angles, tangents.basis.T)
+        pull = held.T @ inertia @ (tangents.basis.T @ lead.asked(angles))
+        inertia = held.T @ inertia @ held
+    zeros = least_constrained(inner, inertia, pull, fit, by_work=by_work)
+    return (held @ x for x in zeros)
 
 
 def _near(tangents: Tangents, led: Array, fit: Fit) -> list[tuple[Array, int]]:
@@ -150,20 +172,21 @@ def _are_same(branch: Branch, other: Branch, fit: Fit) -> bool:
 
 
 def _one_of_many(
-    geometry: LoopGeometry, angles: Array, tangents: Tangents, led: Array | None, rank: int | None
+    geometry: LoopGeometry, angles: Array, tangents: Tangents, lead: Lead | None, rank: int | None
 ) -> tuple[Branch, ...]:
     """An example of the family on which a flat sheet of many free rates goes on. No corner of it, where two parts of
     the family meet: what loads ask for alike of two lines that cross at a vertex leads there, as only one of them can
     fold, and next to a corner the closure is as weak as in the flat position."""
     local, basis = tangents.local, tangents.basis
     assert local is not None
+    led = None if lead is None else lead.asked(angles)
     asked = [] if led is None else [led, *(led * (1.0 + ABOUT * local.random[:CORNERS]))]
     free = basis.shape[1]
     usual_freedoms = max(1, free - tangents.loose - len(local.joints)) + tangents.loose
     if rank is not None:
         usual_freedoms = basis.shape[0] - rank
     corners: list[tuple[int, Array]] = []
-    pushed = iter(()) if led is None else _pushed(geometry, angles, tangents, led, EXACTLY, by_work=True)
+    pushed = iter(()) if lead is None else _pushed(geometry, angles, tangents, lead, EXACTLY, by_work=True)
     near = (local.nearest(basis, wanted) for wanted in [*asked, *(local.random * local.held)])
     for rates in itertools.chain((basis @ x for x in pushed), near):
         if rates is None:

@@ -1,7 +1,7 @@
 """Of all ways out of a singular position the one that loads take from rest, where there is a family of them.
 
-In: the second order there (`tangents`), the inertia of its free rates, and the rates that loads ask for. Out: rates
-that the second order allows. Never: knows what loads there are; follows a motion.
+In: the second order there (`tangents`), the inertia of its free rates, and what loads do along each. Out: rates that
+the second order allows. Never: knows what loads there are; follows a motion.
 
 From rest a mechanism accelerates as near to what loads ask for, by kinetic energy, as its joints allow (C. F. Gauss,
 "On a new general principle of mechanics", 1829). Here they allow a cone, the zeros of the forms, and the nearest of it
@@ -24,6 +24,7 @@ STAGES = 8  # from one to the other
 ROUNDS = 4  # of Newton's method at each
 MOST_ROUNDS = 16  # of the ascent along the cone
 GAIN = 1e-4  # of the work: a round that gains less is the last
+MANY_ROUNDS, NO_GAIN = 200, 1e-12  # the same of few free rates: rates have the root of that
 NOTHING = 1e-9  # of the largest form
 SAMPLES = 4  # rows by which the sizes of forms are told
 SINGULAR = 1e-14  # of the largest: forms that depend on one another are solved for all the same
@@ -32,48 +33,52 @@ SHORTEST = 1e-3  # of a step along the cone
 FEW = 40  # free rates: of more, each way to the cone takes a tenth of a second and more
 # Of the size of what is asked for, where that itself leads to a corner: what is alike in two creases does not stay so.
 BESIDE = (0.0, 0.1, 0.1, 0.3, 0.3)
-FARTHER = (
-    0.6,
-    0.6,
-    1.0,
-    1.0,
-    1.0,
-    1.0,
-)  # of few free rates besides: the work has several tops along the cone
+# The same of few free rates besides: the work has several tops along the cone.
+FARTHER = (0.6, 0.6, 1.0, 1.0, 1.0, 1.0)
 
 
 def least_constrained(
-    tangents: Tangents, inertia: Array, asked: Array, fit: Fit, *, by_work: bool = False
+    tangents: Tangents, inertia: Array, pull: Array, fit: Fit, *, by_work: bool = False
 ) -> Iterator[Array]:
-    """Zeros (d,) of length one of all forms, near to the rates (n,) that loads ask for, by the inertia (d, d) of the
-    free rates: where these lead, and then where rates a little beside them do. by_work: of few free rates, from farther
-    about as well, those on which most work is done first. Yields nothing where the inertia is singular, or nothing is
-    asked for."""
+    """Zeros (d,) of length one of all forms, near to where loads pull: by their work `pull` (d,) for each free rate and
+    the inertia (d, d) of these. First where what loads ask for leads, and then where rates a little beside it do.
+    by_work: of few free rates, from farther about as well, those on which most work is done first. Yields nothing
+    where the inertia is singular, or nothing pulls."""
     try:
         upper = np.linalg.cholesky(inertia).T
     except np.linalg.LinAlgError:
         return
     by_energy = np.linalg.inv(upper)  # rates are by_energy @ y, and |y|² is twice the kinetic energy
-    wanted = upper @ (tangents.basis.T @ asked)
+    wanted = by_energy.T @ pull
     size = float(np.linalg.norm(wanted))
-    if not size > 0.0:
+    if not 0.0 < size < np.inf:
         return
     wanted = wanted / size
     cone = _Cone(tangents, np.asarray(upper), np.asarray(by_energy), fit)
-    by_work = by_work and len(wanted) <= FEW
-    found = _arrivals(cone, wanted, BESIDE + FARTHER if by_work else BESIDE)
-    for y in sorted(found, key=lambda y: -float(wanted @ y)) if by_work else found:
+    few = by_work and len(wanted) <= FEW
+    found = _arrivals(cone, wanted, BESIDE + FARTHER if few else BESIDE)
+    tops = (_raised(cone, wanted, y, MOST_ROUNDS, GAIN) for y in found)
+    for y in _by_work(cone, wanted, list(tops)) if few else tops:
         rates = by_energy @ y
         yield rates / np.linalg.norm(rates)
 
 
+def _by_work(cone: "_Cone", wanted: Array, tops: list[Array]) -> Iterator[Array]:
+    """The one of most work first, and exactly; of those alike the first, as round-off tells them apart."""
+    works = [float(wanted @ y) for y in tops]
+    least = (1.0 - GAIN) * max(works, default=0.0)
+    order = sorted(range(len(tops)), key=lambda k: -min(works[k], least))
+    for place, k in enumerate(order):
+        yield tops[k] if place else _raised(cone, wanted, tops[k], MANY_ROUNDS, NO_GAIN)
+
+
 def _arrivals(cone: "_Cone", wanted: Array, beside: Sequence[float]) -> Iterator[Array]:
-    """Points of the cone on which the work is at a top, from starts so far beside what is wanted."""
+    """Points of the cone, from starts so far beside what is wanted."""
     random = np.random.default_rng(20261128)
     for share in beside:
         found = cone.arrived(_softly(cone, wanted + share * cone.drawn(random)))
         if found is not None:
-            yield _raised(cone, wanted, found)
+            yield found
 
 
 class _Cone:
@@ -141,11 +146,12 @@ def _energy(cone: _Cone, y: Array, wanted: Array, stiffness: float) -> float:
     return float(np.square(y - wanted).sum() + stiffness * np.square(cone.values(y)).sum())
 
 
-def _raised(cone: _Cone, wanted: Array, y: Array) -> Array:
-    """The point of length one on the cone that is reached by going where the work rises most."""
+def _raised(cone: _Cone, wanted: Array, y: Array, rounds: int, gain: float) -> Array:
+    """The point of length one on the cone that is reached by going where the work rises most; a round that gains less
+    than a share of it is the last."""
     y = y if wanted @ y >= 0.0 else -y
     step = 1.0
-    for _ in range(MOST_ROUNDS):
+    for _ in range(rounds):
         work = float(wanted @ y)
         slopes = cone.slopes(y)
         squares = slopes @ slopes.T
@@ -160,6 +166,6 @@ def _raised(cone: _Cone, wanted: Array, y: Array) -> Array:
         else:
             return y
         y, step = tried, min(1.0, 2.0 * step)
-        if float(wanted @ y) < (1.0 + GAIN) * work:
+        if float(wanted @ y) < (1.0 + gain) * work:
             return y
     return y

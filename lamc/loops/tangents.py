@@ -79,10 +79,18 @@ class Tangents:
     def held(self) -> Array:
         """(d, c): orthonormal, rates in coordinates of the basis that some form holds; all others are free of each
         other, as those of flaps outside all loops. All are, where there are no forms."""
-        if self.local is not None or not len(self.forms):
+        if self.local is not None:
+            flaps = self.basis[~self.local.held]
+            return (
+                np.asarray(np.linalg.svd(flaps)[2][len(flaps) :].T)
+                if len(flaps)
+                else np.eye(self.basis.shape[1])
+            )
+        if not len(self.forms):
             return np.eye(self.basis.shape[1])
         squares, axes = np.linalg.eigh(np.tensordot(self.forms, self.forms, axes=([0, 2], [0, 2])))
-        return np.asarray(axes[:, squares > EXACTLY.forms**2 * squares[-1]])
+        some = squares > EXACTLY.forms**2 * squares[-1]
+        return np.eye(len(axes)) if some.all() else np.asarray(axes[:, some])
 
     @property
     def loose(self) -> int:
@@ -91,17 +99,13 @@ class Tangents:
             return int(np.count_nonzero(~self.local.held))
         return int(self.basis.shape[1] - self.held.shape[1])
 
-    def without_loose(self, x: Array) -> Array:
-        """A zero (d,) of length one without the rates that no form holds; itself, where there is nothing else."""
+    @cached_property
+    def inner(self) -> "Tangents":
+        """The same of those rates alone that some form holds, by the columns of `held`."""
         if not self.loose:
-            return x
-        if self.local is None:
-            within = self.held @ (self.held.T @ x)
-        else:
-            rows = self.basis[self.local.held]
-            within = rows.T @ (rows @ x)
-        length = float(np.linalg.norm(within))
-        return within / length if length > EXACTLY.same else x
+            return self
+        held = self.held
+        return Tangents(self.basis @ held, held.T @ self.forms @ held, self.local)
 
     def values(self, x: Array) -> Array:
         """The forms (count,) at a row (d,) of the null space."""

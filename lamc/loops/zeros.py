@@ -49,14 +49,15 @@ def spherical(tangents: Tangents, preferred: Array, fit: Fit) -> list[tuple[Arra
     Rates that no form holds, as those of a flap outside all loops, go with all zeros. They are no way of their own, and
     others are looked for without them: Newton's method would lead to them, as forms of next to nothing are nil."""
     if tangents.local is not None:
-        return [(tangents.without_loose(x), freedoms) for x, freedoms in _of_all(tangents, preferred, fit)]
+        within = tangents.basis[tangents.local.held]
+        zeros = [(within.T @ (within @ x), freedoms) for x, freedoms in _of_all(tangents, preferred, fit)]
+        return [(x / np.linalg.norm(x), freedoms) for x, freedoms in zeros]
     loose, held = tangents.loose, tangents.held
     if not loose:
         return _of_all(tangents, preferred, fit)
-    inner = Tangents(tangents.basis @ held, held.T @ tangents.forms @ held)
     near = preferred @ held
     near = near[np.linalg.norm(near, axis=1) > fit.same]
-    zeros = [(held @ x, freedoms + loose) for x, freedoms in _of_all(inner, near, fit)]
+    zeros = [(held @ x, freedoms + loose) for x, freedoms in _of_all(tangents.inner, near, fit)]
     if zeros:
         return zeros
     free = np.linalg.svd(held.T)[2][held.shape[1] :] if held.shape[1] else np.eye(loose)

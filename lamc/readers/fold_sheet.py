@@ -116,7 +116,7 @@ class _Sheet:
         self.points = frame.vertices * unit_of(frame, options, self.notes)
         used = self.points[np.unique(np.array(frame.edges))]
         self.size = float(np.linalg.norm(np.ptp(used, axis=0))) or 1.0
-        self.seen: tuple[shapely.Polygon, ...] = ()  # faces along z, of a sheet that is not level; m
+        self.seen: tuple[shapely.Polygon, ...] = ()  # faces along z, m, where they do not lie so in the sheet
         self.drawn = 0  # creases of a flat sheet
         self.locked_most = ""  # why rigid facets leave too little of the fold; empty: they do not
 
@@ -208,9 +208,9 @@ class _Sheet:
         check_count(len(self.frame.edges), "edges", large=self.options.large)
         level = is_level(self.frame)
         if not level and self.frame.faces is not None and not self.frame.own:
-            self.seen = tuple(shapely.Polygon(self.points[list(face), :2]) for face in self.frame.faces)
             flat = levelled(self.frame, self.points, self.size, self.notes)
             if flat is not None:
+                self.seen = self._along_z(self.frame.faces)
                 self.points, level = flat, True
         frame, points = self.frame, self.points
         if frame.faces is None:
@@ -243,7 +243,13 @@ class _Sheet:
             if pair is None:
                 return self._flat(faces)
         assert frame.faces is not None
+        if not frame.own:
+            self.seen = self._along_z(frame.faces)
         return self._folded(frame.faces)
+
+    def _along_z(self, faces: tuple[Face, ...]) -> tuple[shapely.Polygon, ...]:
+        """Faces as the file has them, seen along z."""
+        return tuple(shapely.Polygon(self.points[list(face), :2]) for face in faces)
 
     def _flat(self, faces: tuple[Face, ...]) -> _Facets:
         beside = beside_edges(faces, self.frame.edges)
@@ -325,7 +331,8 @@ class _Sheet:
             within = [k for k, each in enumerate(seen) if each.is_valid and each.covers(point)]
             if not within:
                 raise DesignError(
-                    f"no facet is at {place}; fixed must lie inside one, in the file's own x and y"
+                    f"no facet is at {place}; fixed must lie inside one, in the file's own x and y, or name one: F0 to "
+                    f"F{len(groups) - 1}"
                 )
             over = [k for k in within if self.seen[k].contains(point)] if self.seen else []
             if len(over) > 1:

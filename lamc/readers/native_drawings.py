@@ -41,7 +41,7 @@ class Drawings:
     def __init__(self, beside: Beside) -> None:
         self.beside = beside
         self._read: dict[_Key, Drawing] = {}
-        self._told: set[_Key] = set()  # those in `_read`
+        self._told: set[_Key] = set()  # those in `_read`, and places of hinge lines
         self._found: dict[_Key, tuple[Any, Sequence[Mend]]] = {}
 
     def region(self, entry: DrawnModel, place: Place, mends: list[Mend]) -> MultiPolygon:
@@ -58,6 +58,9 @@ class Drawings:
         from lamc.readers.drawings.telling import millimetres
 
         found: tuple[Line, ...] = self._once(lines_of, "hinge", entry, place, mends)
+        if (place, rests) in self._told:
+            return found
+        self._told.add((place, rests))
         drawing = self._drawing(entry, "hinge", place)
         row = in_a_row(found, tolerance_of(drawing, entry.heal))
         if row:

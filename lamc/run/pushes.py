@@ -11,6 +11,8 @@ from lamc.mechanics.arrangement import Arrangement
 from lamc.run.model import Motion
 from lamc.run.request import Array
 
+STEP = 1e-3  # rad
+
 
 def push_of(motion: Motion, arrangement: Arrangement) -> Push:
     """Of closed angles (n,), rad, and rates τ (n,) of all joints: the power f·τ of all loads at rest, W, and τ·M τ, J.
@@ -33,13 +35,45 @@ def push_of(motion: Motion, arrangement: Arrangement) -> Push:
 
 
 def lead_of(motion: Motion, arrangement: Arrangement) -> Lead:
-    """Of closed angles (n,), rad: the accelerations (n,) of the joints from rest there, which hold the loops to first
-    order."""
+    """As `push_of`, of many rates at once; and the accelerations of the joints."""
     nq, nu = len(motion.model.coordinates), len(motion.model.rates)
 
-    def lead(angles: Array) -> Array:
-        y = np.zeros((1, nq + nu))
-        y[0, :nq] = arrangement.start(angles.tolist(), [0.0] * len(angles))[0]
-        return np.asarray(motion.accelerations(np.zeros(1), y)[0, : len(angles)])
+    def states(angles: Array, rates: Array) -> Array:
+        """(k, nq + nu): at angles (n,), with rates (k, nu)."""
+        y = np.zeros((len(rates), nq + nu))
+        y[:, :nq] = arrangement.start(angles.tolist(), [0.0] * len(angles))[0]
+        y[:, nq:] = rates
+        return y
 
-    return lead
+    def accelerations(angles: Array) -> Array:
+        return np.asarray(motion.accelerations(np.zeros(1), states(angles, np.zeros((1, nu))))[0])
+
+    def asked(angles: Array) -> Array:
+        return np.asarray(accelerations(angles)[: len(angles)])
+
+    def kinetic(angles: Array, rates: Array) -> Array:
+        return np.asarray(motion.energies(np.zeros(len(rates)), states(angles, rates))[:, 0])
+
+    def work(angles: Array, rows: Array) -> tuple[Array, Array, Array]:
+        rates = np.zeros((len(rows), nu))
+        rates[:, : rows.shape[1]] = rows
+        udot = accelerations(angles)
+        size = float(np.abs(udot).max()) or 1.0
+        pull = 0.5 * size * (kinetic(angles, rates + udot / size) - kinetic(angles, rates - udot / size))
+        first, second = np.triu_indices(len(rows), 1)
+        alone = kinetic(angles, rates)
+        inertia = np.diag(2.0 * alone)
+        mixed = kinetic(angles, rates[first] + rates[second]) - alone[first] - alone[second]
+        inertia[first, second] = inertia[second, first] = mixed
+        return pull, inertia, np.abs(rows) @ single_forces(angles)
+
+    def single_forces(angles: Array) -> Array:
+        """(n,), N·m: sizes of what each potential does at each joint alone; nought where nothing is known of one."""
+        steps = np.concatenate([np.eye(len(angles)), -np.eye(len(angles))]) * STEP
+        y = np.zeros((len(steps), nq + nu))
+        for k, step in enumerate(steps):
+            y[k, :nq] = arrangement.start((angles + step).tolist(), [0.0] * len(angles))[0]
+        ahead, behind = np.split(motion.energies(np.zeros(len(steps)), y)[:, 1:], 2)
+        return np.asarray(np.nan_to_num(np.abs(ahead - behind)).sum(axis=1) / (2.0 * STEP))
+
+    return Lead(asked, work)

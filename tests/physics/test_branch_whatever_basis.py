@@ -11,7 +11,7 @@ import pytest
 import lamc
 from lamc.loops import branches as branches_module
 from lamc.loops import geometry, linear
-from lamc.loops.branches import clear_of, find_branches, moved_out
+from lamc.loops.branches import Lead, clear_of, find_branches, moved_out
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.linear import DENSE, EXACT, Linear
 from lamc.loops.rank import count_at
@@ -25,7 +25,7 @@ def branch(loops: LoopGeometry) -> tuple[int, Array]:
     flat = np.zeros(len(loops.names))
     rank = count_at(loops, flat).rank
     asked = np.random.default_rng(3).normal(size=len(flat))
-    found = find_branches(loops, flat, lead=lambda angles: asked, rank=rank)
+    found = find_branches(loops, flat, lead=Lead(lambda angles: asked), rank=rank)
     return rank, found[0].row(loops.names)
 
 

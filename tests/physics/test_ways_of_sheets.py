@@ -58,7 +58,7 @@ def test_the_way_taken_has_most_work_done_on_it_near_by(kind: str, tmp_path: Pat
     def work(x: np.ndarray[Any, Any]) -> float:
         return float(x @ inertia @ asked / np.sqrt(x @ inertia @ x))
 
-    found = next(least_constrained(local, inertia, local.basis @ asked, EXACTLY))
+    found = next(least_constrained(local, inertia, inertia @ asked, EXACTLY))
     assert np.abs(local.values(found)).max() < 1e-10
     assert work(found) > 0.0
     nearest = local.local.nearest(local.basis, local.basis @ asked) if local.local else None

@@ -60,6 +60,12 @@ def drawn(folder: Path, body: str) -> Path:
         ("joints 30°", 30.0),
         ("M90", None),
         ("v2", None),
+        ("M(90)", -90.0),
+        ("M90deg", -90.0),
+        ("V(-90)", 90.0),
+        ("hinge (2)", None),  # a copy
+        ("hinge 45.", None),
+        ("hinge(2°)", 2.0),
     ],
 )
 def test_a_small_number_after_a_hyphen_counts_copies(name: str, degrees: float | None) -> None:
@@ -108,6 +114,8 @@ def test_a_group_in_a_layer_is_of_the_layer(inner: str) -> None:
         ("M10", None),
         ("V2", None),
         ("m_90", None),
+        ("MS", None),
+        ("mes", None),
     ],
 )
 def test_a_letter_says_a_fold_by_itself_alone(name: str, role: str | None) -> None:

@@ -139,3 +139,48 @@ def test_a_crease_replaces_stiffness_and_damping_that_a_file_of_lamc_has(tmp_pat
     assert isinstance(again, Mechanism)
     assert again.joints[0].stiffness == pytest.approx(other.joints[0].stiffness)
     assert again.joints[0].damping == pytest.approx(other.joints[0].damping)
+
+
+def folded_flat(shift: float) -> dict[str, Any]:
+    """The right one lies on the left one."""
+    places = [[0, 0], [20, 0], [2, 0], [2, 20], [20, 20], [0, 20]]
+    return SQUARES | {
+        "vertices_coords": [[x + shift, y] for x, y in places],
+        "edges_foldAngle": [*[None] * 6, 180.0],
+    }
+
+
+def test_a_place_on_a_sheet_that_is_folded_flat_is_where_the_file_has_it(tmp_path: Path) -> None:
+    made, _ = read(tmp_path / "s.fold", folded_flat(100.0), fixed=(0.101, 0.01))
+    assert [body.name for body in made.bodies if body.fixed] == ["F1"]
+    with pytest.raises(lamc.DesignError, match="several facets lie over one another, F0, F1"):
+        read(tmp_path / "s.fold", folded_flat(100.0), fixed=(0.110, 0.01))
+    with pytest.raises(lamc.DesignError, match=r"no facet is at .* or name one: F0 to F1"):
+        read(tmp_path / "s.fold", folded_flat(100.0), fixed=(0.03, 0.01))
+
+
+def test_a_sheet_in_space_may_list_a_face_the_other_way_round(tmp_path: Path) -> None:
+    data = vertex(SPACE)
+    data["faces_vertices"][2] = data["faces_vertices"][2][::-1]
+    made, _ = read(tmp_path / "s.fold", data, fixed="F0")
+    assert [round(math.degrees(j.rest_angle)) for j in made.joints] == [60, 60, 60, -60]
+
+
+def test_pieces_in_two_planes_are_laid_side_by_side(tmp_path: Path) -> None:
+    below, above = squares(0.0), squares(0.0)
+    for place in above["vertices_coords"]:
+        place[2] = 0.1
+    data = {
+        "vertices_coords": [*below["vertices_coords"], *above["vertices_coords"]],
+        "edges_vertices": [
+            *SQUARES["edges_vertices"],
+            *([a + 6, b + 6] for a, b in SQUARES["edges_vertices"]),
+        ],
+        "edges_assignment": [*SQUARES["edges_assignment"]] * 2,
+        "faces_vertices": [
+            *SQUARES["faces_vertices"],
+            *([v + 6 for v in f] for f in SQUARES["faces_vertices"]),
+        ],
+    }
+    made, _ = read(tmp_path / "s.fold", data)
+    assert len(made.bodies) == 4

@@ -120,12 +120,20 @@ def test_the_current_color_is_that_of_the_shape_that_inherits_it(body: str, role
             "50mm in a style and 100mm as its own",
         ),
         ('viewBox="0 0 100 50" style="width:100"', 254 / 96, "without a unit is none"),
+        (
+            'viewBox="0 0 100 50" style="width:100vw;height:calc(1px + 2px)"',
+            254 / 96,
+            "width: 100vw in a style, which",
+        ),
+        ('viewBox="0 0 100 50" width="100mm" style="width:max-content"', 10.0, "is of a page and not read"),
     ],
 )
 def test_the_size_of_a_drawing_may_stand_in_a_style(root: str, millimetres: float, told: str) -> None:
     read = drawn(LINE, root)
     assert read.strokes[0].points == mm([[0, 0], [millimetres, 0]])
     assert told in "; ".join(read.notes)
+    page = only(f'<svg viewBox="0 0 10 10" width="50" height="50" style="width:50vw">{LINE}</svg>')
+    assert page.points == mm([[0, 0], [50, 0]])
     inner = only(f'<svg viewBox="0 0 10 10" style="width:50px; height:50px">{LINE}</svg>')
     assert inner.points == mm([[0, 0], [50, 0]])
 

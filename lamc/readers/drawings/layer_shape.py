@@ -111,7 +111,8 @@ def in_a_row(lines: Sequence[Line], tolerance: float) -> list[Point]:
         return []
     tree = STRtree(shapely.linestrings(lines))
     near = tree.query(shapely.points(straight), "dwithin", tolerance)[0]
-    return [place for k, place in enumerate(straight) if np.count_nonzero(near == k) == 2]
+    counts = np.bincount(near, minlength=len(straight))
+    return [place for place, count in zip(straight, counts.tolist(), strict=True) if count == 2]
 
 
 def _aside(place: Point, start: Point, end: Point) -> float:

@@ -70,7 +70,7 @@ _LAYERS: dict[Role, tuple[str, ...]] = {
 # Their colours say which way they fold; other colours, and none, leave them sprung and flat.
 _FOLDS = ("fold", "crease", "fold line", "crease line", "score", "score line", "bend", "bend line")
 _JOINTS = _LAYERS["hinge"]  # laminates number them: degrees stand in brackets there, or with their unit
-_LETTERS = ("m", "v")  # by themselves alone: M3 is a screw, and v2 a version
+_LETTERS = ("m", "v")  # by themselves, or with degrees, "M(90)": M3 is a screw, and v2 a version
 _FEWEST_DEGREES = 10.0
 _BY_NAME: dict[str, Role] = {name: role for role, names in _LAYERS.items() for name in names}
 for _role in ("mountain", "valley", "undriven", "flat"):
@@ -126,7 +126,7 @@ def layer_angle(name: str) -> float | None:
     found = _WITH_NUMBER.match(name)
     if found is None or role not in ("mountain", "valley", "hinge"):
         return None
-    if word in _JOINTS and name[-1].isdigit():
+    if word in _JOINTS and not _is_marked(name):
         return None
     degrees = float(found[2])
     # A hyphen amid the name parts it from a number, as programs write spaces and number copies.
@@ -139,6 +139,16 @@ def layer_angle(name: str) -> float | None:
         return math.radians(degrees)
     # A hyphen before the number may part it from the name or be a sign; nothing hangs on it here.
     return math.radians(-abs(degrees) if role == "mountain" else abs(degrees))
+
+
+def _is_marked(name: str) -> bool:
+    """Whether the number at a name's end is one of degrees, and counts nothing: it has its unit, or is in brackets and
+    not small, as programs name copies "hinge (2)"."""
+    found = _WITH_NUMBER.match(name)
+    if found is None:
+        return False
+    after = name[found.end(2) :].strip(" )")
+    return bool(after) or (name.endswith(")") and abs(float(found[2])) >= _FEWEST_DEGREES)
 
 
 def angle_note(layer: str, angle: float) -> str:
@@ -171,10 +181,10 @@ def layer_name(name: str) -> str:
         words.pop()
     joined = " ".join(words)
     each = " ".join(word.removesuffix("s") for word in words)  # "folds mountain"
+    if joined in _LETTERS and found is not None and not _is_marked(name):
+        return f"{joined} {found[2]}"
     for singular in (joined, joined.removesuffix("s"), joined.removesuffix("es"), each):
-        if singular in _LETTERS and found is not None:
-            return f"{joined} {found[2]}"
-        if singular in _BY_NAME or singular in _FOLDS:
+        if (singular in _BY_NAME and (singular == joined or singular not in _LETTERS)) or singular in _FOLDS:
             return singular
     return "body" if joined == "bodies" else joined
 

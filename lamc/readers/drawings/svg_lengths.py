@@ -115,22 +115,22 @@ class Scale:
     note: str
 
 
-def scale_of(document: Document, root: Element, units: str | None) -> Scale:
+def scale_of(document: Document, sized: Element, units: str | None) -> Scale:
     """How large a user unit is: as the user says, else as width, height and viewBox of the root do, else a
-    px. root: with what styles give it.
+    px. sized: the root with what styles give it.
 
     Raises DesignError for a width or height that is no length.
     """
     if units is not None:
         unit = to_si(f"1 {units}", LENGTH)
         return Scale(unit, unit, "")
-    box = view_box(root)
-    if box is None and root.get("viewBox").strip():
-        raise root.error(
-            f"{root.source} has viewBox={root.get('viewBox')[:40]!r}; it must be four numbers, the last two above 0 "
+    box = view_box(sized)
+    if box is None and sized.get("viewBox").strip():
+        raise sized.error(
+            f"{sized.source} has viewBox={sized.get('viewBox')[:40]!r}; it must be four numbers, the last two above 0 "
             "(--units mm takes a number for a millimetre without it)"
         )
-    sizes = [_size(root, name) for name in ("width", "height")]
+    sizes = [_size(sized, name) for name in ("width", "height")]
     px, note = _px(document)
     metres = [
         None if size is None else size[0] * (px if size[1] in ("", "px") else INCH / 96.0 * _PX[size[1]])
@@ -145,8 +145,8 @@ def scale_of(document: Document, root: Element, units: str | None) -> Scale:
     if not given:
         return Scale(px, px, note)
     x, y = scales[0] or given[0], scales[1] or given[0]
-    if root.get("preserveAspectRatio").split()[:1] != ["none"]:
-        x = y = max(x, y) if "slice" in root.get("preserveAspectRatio") else min(x, y)
+    if sized.get("preserveAspectRatio").split()[:1] != ["none"]:
+        x = y = max(x, y) if "slice" in sized.get("preserveAspectRatio") else min(x, y)
     return Scale(x, y, "" if said else note)
 
 

@@ -26,7 +26,7 @@ _CODED = re.compile(r"_x([0-9A-Fa-f]{2,4})_")  # and of a character that an id c
 def _runs(name: str, value: str) -> bool:
     """Whether an attribute is a program, as onload is, or links to one."""
     is_link = name.rpartition(":")[2] == "href" and value.strip().lower().startswith("javascript:")
-    return is_link or (name.startswith("on") and name.isalpha())
+    return is_link or (name.startswith("on") and len(name) > len("only") and name.isalpha())
 
 
 @dataclass(eq=False, slots=True)

@@ -162,6 +162,14 @@ class Walk:
                 self.notes.add(
                     f"has {name}: {value[:20]} in a style, which without a unit is none", element.source
                 )
+            elif (
+                element.tag == "svg"
+                and value.lower() != "auto"
+                and not (is_size(value) or value.endswith("%"))
+            ):
+                self.notes.add(
+                    f"has {name}: {value[:20]} in a style, which is of a page and not read", element.source
+                )
             elif value.lower() not in ("auto", "none"):
                 path = _PATH.fullmatch(value)
                 given[name] = path[2] if path is not None else value

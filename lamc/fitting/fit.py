@@ -169,7 +169,8 @@ def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
         notes.append(f"the model leaves {share:.0%} of the data's variance: it does not describe them")
         notes += beyond_a_turn(compared)
     notes += [
-        f"{name} stands at its bound, {values[name]:g}; widen the range, or leave it there"
+        f"{name} stands at its bound, {values[name]:g}; widen the range, or leave it there: intervals of the others "
+        "allow for its being within"
         for name in account.at_bounds
     ]
     notes += [

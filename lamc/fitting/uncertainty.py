@@ -1,7 +1,8 @@
 """How well a fit knows its numbers: covariance, intervals, correlations, and what the data cannot tell.
 
 In: residuals and their Jacobian at the optimum. Out: an `Account`. Intervals are those of Student's t for the
-linearised model (Seber & Wild, Nonlinear Regression, 1989, ch. 5), of logarithms where logarithms are sought; with a
+linearised model (Seber & Wild, Nonlinear Regression, 1989, ch. 5), of logarithms where logarithms are sought; where
+numbers stand at bounds, of its profile (`bounded`). With a
 robust loss the covariance is Huber's (1981, ch. 7). What cannot be told is a direction of the unknowns along which the
 singular values of the Jacobian vanish, or in which noise leaves more than the numbers themselves.
 """
@@ -12,6 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
+from lamc.fitting.bounded import within_bounds
 from lamc.fitting.losses import weights_of
 from lamc.fitting.trust import triangle_of
 from lamc.fitting.unknowns import Unknown, Unknowns
@@ -92,7 +94,15 @@ def account_of(
             np.sqrt(np.diagonal(covariance)), np.sqrt(np.diagonal(covariance))
         )
     names = tuple(n for n, h in zip(unknowns.names, held, strict=True) if h)
-    intervals = _intervals(unknowns, inner, errors, held, freedom)
+    reach = _reach(errors, freedom)
+    reaches = np.column_stack([reach, reach])
+    if held.any():
+        rows = np.column_stack([scaled, weights * residual / np.sqrt(curves)])
+        inverse = np.full(p, np.nan)
+        inverse[free] = np.diagonal(spread)
+        within = within_bounds(unknowns, inner, sizes, rows, reach / sizes, inverse, held)
+        reaches = within * sizes[:, None]
+    intervals = _intervals(unknowns, inner, reaches, held)
     return Account(errors, intervals, correlations, tuple(found), names, noise, freedom)
 
 
@@ -115,24 +125,33 @@ def _size(unknown: Unknown, inner: float) -> float:
     )
 
 
+def _reach(errors: Array, freedom: int) -> Array:
+    """How far intervals go from the middle (p,)."""
+    from scipy.special import stdtrit  # `import lamc` does without it
+
+    return np.asarray(float(stdtrit(freedom, 0.5 + 0.5 * LEVEL)) * errors)
+
+
 def _intervals(
     unknowns: Unknowns,
     inner: Array,
-    errors: Array,
+    reaches: Array,
     held: "np.ndarray[tuple[int], np.dtype[np.bool_]]",
-    freedom: int,
 ) -> Array:
-    from scipy.special import stdtrit  # `import lamc` does without it
-
-    reach = float(stdtrit(freedom, 0.5 + 0.5 * LEVEL)) * errors
+    """reaches (p, 2): downwards and upwards."""
     found = np.zeros((len(inner), 2))
     for k, each in enumerate(unknowns.all):
+        down, up = reaches[k].tolist()
         if held[k]:
             found[k] = np.nan
-        elif np.isinf(reach[k]):
+        elif math.isinf(down) and math.isinf(up):
             found[k] = (0.0, math.inf) if each.log else (-math.inf, math.inf)
         else:
-            found[k] = each.value(inner[k] - reach[k]), each.value(inner[k] + reach[k])
+            lowest = 0.0 if each.log else -math.inf
+            found[k] = (
+                lowest if math.isinf(down) else each.value(inner[k] - down),
+                math.inf if math.isinf(up) else each.value(inner[k] + up),
+            )
     return found
 
 

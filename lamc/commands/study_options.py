@@ -25,7 +25,7 @@ def each_run(rtol: str, atol: str) -> Callable[[Command], Command]:
             "--rows",
             type=int,
             metavar="N",
-            help="Rows of each run that measures look at.  [default: 200 a second]",
+            help="Rows of each run that measures look at.  [default: 200 a second, 2001 at least]",
         ),
         click.option(
             "--max-steps", type=int, default=1_000_000, metavar="N", help="Steps after which a run gives up."

@@ -39,7 +39,9 @@ class GroundContact(RegisteredEffect):
     """A plane that pushes on the points of bodies that are below it, and rubs on those that slide.
 
     With the depth d of a point and the speed v at which it goes deeper, the ground pushes with
-    F = k dⁿ (1 + 3/2 c v), and never pulls. A blow at a small speed v is returned with the restitution 1 - c v.
+    F = k dⁿ (1 + 3/2 c v), and never pulls: where the law would, as a point leaves at more than 2 / (3 c), the bracket
+    goes to nothing smoothly, by 0.035 at most above the law. A blow at a small speed v is returned with the
+    restitution 1 - c v.
     Friction is μ F s / sqrt(s² + slip_speed²) against the sliding velocity s, which is smooth: a body at rest on a
     slope creeps, by slip_speed x / sqrt(1 - x²) where x is the tangent of the slope over μ. Integrators stop where
     points touch and leave.

@@ -38,7 +38,9 @@ class StudyRunModel(StrictModel):
     )
     max_step: Duration | None = Field(None, description="longest step")
     integrator: str = Field("auto", description="as of `lamc run`")
-    rows: int | None = Field(None, ge=2, description="rows that measures look at; 200 a second if not said")
+    rows: int | None = Field(
+        None, ge=2, description="rows that measures look at; 200 a second, and 2001 at least, if not said"
+    )
     max_steps: int = Field(1_000_000, ge=1, description="steps after which it gives up")
 
 

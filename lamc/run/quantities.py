@@ -30,10 +30,14 @@ class Quantity:
 
 
 def quantity_of(result: "Result", name: str) -> Quantity:
-    """One quantity. Where a name means two things, the first of: hinge, coordinate, rate, position, energy."""
+    """One quantity. Where a name means two things, the first of: hinge, coordinate, rate, position, energy;
+    "energy.gravity", as measures have it, is that of gravity."""
     for known, unit, values in _all(result):
         if known == name:
             return Quantity(name, unit, values())
+    effect = name.removeprefix(f"{ENERGY}.") if isinstance(name, str) else name
+    if effect != name and effect in result.motion.model.energies:  # as measures call it
+        return Quantity(name, "J", result.energies[effect])
     raise KeyError(f"nothing of this run is named {name!r}; {did_you_mean(str(name), names(result))}")
 
 

@@ -16,7 +16,10 @@ def changes(before: Mechanism, after: Mechanism) -> str:
         gone, added = _difference(old, new)
         parts += [f"{what} gone: {listed_names(gone)}"] if gone else []
         parts += [f"{what} added: {listed_names(added)}"] if added else []
-    same = "the same bodies and joints, and other numbers of it vanish, other effects act, or loops have another rank"
+    same = (
+        "the same bodies and joints, and other numbers of it vanish, other effects act, loops have another rank, or an "
+        "expression of its scene has other numbers of the design"
+    )
     return "; ".join(parts) or same
 
 

@@ -78,6 +78,8 @@ def test_quantities_have_units_and_unknown_ones_are_named(result: Result) -> Non
     assert result.quantity("h0.rate").unit == "rad/s"
     assert result.quantity("tip.z").values == pytest.approx(result.point("tip")[:, 2])
     assert result.quantity("gravity").values == pytest.approx(result.energies["gravity"])
+    assert result.quantity("energy.gravity").values == pytest.approx(result.energies["gravity"])
+    assert result.quantity("energy.gravity").unit == "J"
     with pytest.raises(KeyError, match=r"did you mean 'tip\.z'"):
         result.quantity("tip.zz")
 

@@ -35,6 +35,9 @@ BALANCED = (
 )
 ASKED = 4  # directions about those that loads ask for, where not all branches are known
 ABOUT = 0.3  # of each rate: as far apart are these, so that what is alike in two creases does not stay so
+FEW_JOINTS = (
+    100  # of a sheet of one family: of more, each way to the cone takes a second, and the first one serves
+)
 CORNERS = 8  # such directions that are tried where a zero is a corner of its family
 
 
@@ -186,7 +189,8 @@ def _one_of_many(
     if rank is not None:
         usual_freedoms = basis.shape[0] - rank
     corners: list[tuple[int, Array]] = []
-    pushed = iter(()) if lead is None else _pushed(geometry, angles, tangents, lead, EXACTLY, by_work=True)
+    by_work = len(angles) <= FEW_JOINTS
+    pushed = iter(()) if lead is None else _pushed(geometry, angles, tangents, lead, EXACTLY, by_work=by_work)
     near = (local.nearest(basis, wanted) for wanted in [*asked, *(local.random * local.held)])
     for rates in itertools.chain((basis @ x for x in pushed), near):
         if rates is None:

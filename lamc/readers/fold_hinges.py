@@ -13,6 +13,7 @@ from lamc.readers.fold_bending import FACET, STIFFER
 from lamc.readers.fold_file import FoldFrame
 from lamc.readers.fold_flat import Beside, Corners, pair_of
 from lamc.readers.fold_groups import Crease, ends_of
+from lamc.readers.fold_level import SIDED
 from lamc.readers.fold_own import Own
 from lamc.records.mechanism import Array, Body, Joint
 from lamc.records.network import listed_names
@@ -134,7 +135,10 @@ class Hinges:
                 self._tell("the fold angle has the other sign than M or V has; the angle counts", name)
             return bool(given[0]) or kind != "U", given[0]
         if self.start:
-            return kind != "U", self.start[crease.edges[0]]
+            rest = self.start[crease.edges[0]]
+            if sign and (abs(rest) < SIDED or rest * sign < 0.0):
+                self._tell("no fold angle: it rests as it is folded, which is not as M or V says", name)
+            return kind != "U", rest
         if sign:
             degrees = f"{math.degrees(REST):g}"
             self._tell(f"no fold angle; M rests at -{degrees} degrees, V at {degrees}", name)

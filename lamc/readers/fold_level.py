@@ -15,6 +15,7 @@ from lamc.records.mechanism import Array
 
 LEVEL = 1e-6  # of the sheet's size: heights by which a flat drawing may differ
 SIDED = 1e-2  # rad: less does not tell one side from the other, where coordinates have four digits
+_TILTED = 0.1  # rad: a small facet of few digits is by no more out of the plane
 
 
 def is_level(frame: FoldFrame) -> bool:
@@ -30,7 +31,7 @@ def levelled(frame: FoldFrame, points: Array, size: float, notes: list[str]) -> 
     normals = normals_of(points, frame.faces, size)
     signs = np.sign(normals @ normals[0])
     normal = (signs[:, None] * normals).mean(axis=0) * (1.0 if signs.sum() >= 0.0 else -1.0)
-    if not np.abs(normals @ normal).min() > math.cos(SIDED):
+    if not np.abs(normals @ normal).min() > math.cos(_TILTED):
         return None
     normal /= np.linalg.norm(normal)
     ring = points[list(frame.faces[0])]

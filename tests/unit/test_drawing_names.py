@@ -9,7 +9,7 @@ import pytest
 
 import lamc
 from lamc.readers.drawings.layer_shape import shape_of
-from lamc.readers.drawings.roles import layer_angle, layer_role
+from lamc.readers.drawings.roles import layer_angle, layer_role, meant_layer
 from lamc.readers.drawings.svg import read_svg
 from lamc.records.card import SheetOptions
 
@@ -121,6 +121,8 @@ def test_a_group_in_a_layer_is_of_the_layer(inner: str) -> None:
 def test_a_letter_says_a_fold_by_itself_alone(name: str, role: str | None) -> None:
     """M3 is a screw, and v2 a version of a drawing."""
     assert layer_role(name) == role
+    assert meant_layer("V_45") == "V(45)"
+    assert meant_layer("m -30") == "M(30)"
 
 
 def test_lines_on_a_layer_for_nothing_are_told_of_dxf_as_of_svg(tmp_path: Path) -> None:

@@ -73,8 +73,9 @@ def test_a_flat_sheet_in_space_rests_as_one_in_x_and_y(
         assert ends[1].angle(joint.name)[-1] == pytest.approx(ends[0].angle(joint.name)[-1], abs=1e-6)
 
 
-def test_a_sheet_of_few_digits_is_flat_unless_it_says_how_it_is_folded(tmp_path: Path) -> None:
-    made, notes = read(tmp_path / "sheet.fold", vertex(SPACE, digits=2), fixed="F0")
+@pytest.mark.parametrize("digits", [1, 2])
+def test_a_sheet_of_few_digits_is_flat_unless_it_says_how_it_is_folded(tmp_path: Path, digits: int) -> None:
+    made, notes = read(tmp_path / "sheet.fold", vertex(SPACE, digits=digits), fixed="F0")
     assert made.scene is not None
     assert dict(made.scene.angles) == {}
     assert [round(math.degrees(j.rest_angle)) for j in made.joints] == [60, 60, 60, -60]
@@ -83,6 +84,22 @@ def test_a_sheet_of_few_digits_is_flat_unless_it_says_how_it_is_folded(tmp_path:
     assert not any("miss a plane" in note for note in notes)
     assert folded.scene is not None
     assert folded.scene.angles
+
+
+@pytest.mark.parametrize(("kind", "angle", "told"), [("V", 40.0, False), ("M", 40.0, True), ("V", 0.3, True)])
+def test_a_crease_that_rests_as_it_is_folded_and_not_as_it_is_marked_is_told(
+    tmp_path: Path, kind: str, angle: float, told: bool
+) -> None:
+    data = squares(math.radians(angle)) | {"edges_assignment": [*"BBBBBB", kind]}
+    if angle < 1.0:  # another crease keeps the sheet from being taken for flat
+        data["vertices_coords"] += [[-14.0, 0.0, 14.0], [-14.0, 20.0, 14.0]]
+        data["edges_vertices"] = [*data["edges_vertices"], [0, 6], [6, 7], [7, 5]]
+        data["edges_assignment"] = [*"BBBBBV", kind, *"BBB"]
+        data["faces_vertices"] = [*data["faces_vertices"], [0, 5, 7, 6]]
+    made, notes = read(tmp_path / "s.fold", data)
+    crease = made.joint("E6")
+    assert math.degrees(crease.rest_angle) == pytest.approx(angle)
+    assert any("E6: no fold angle: it rests as it is folded" in note for note in notes) == told
 
 
 @pytest.mark.parametrize("facets", ["rigid", "bend"])

@@ -103,12 +103,22 @@ def role_of(colour: str | None, layer: str, options: SheetOptions) -> Role | Non
 
 
 def meant_layer(name: str) -> str | None:
-    """The known name that an unknown one is nearly, "joint" for "jonit"; None for a known one, and for all others."""
+    """The known name that an unknown one is nearly, "joint" for "jonit", "M(45)" for "M_45"; None for a known one, and
+    for all others."""
     word = layer_name(name)
-    if layer_role(name) is not None or len(word) < 3:
+    if layer_role(name) is not None:
         return None
+    lettered = lettered_layer(name)
+    if lettered is not None or len(word) < 3:
+        return lettered
     near = difflib.get_close_matches(word, [*_BY_NAME, *_FOLDS], 1, 0.75)
     return near[0] if near else None
+
+
+def lettered_layer(name: str) -> str | None:
+    """ "M(45)", for a layer "M_45", which is no mountain, as M3 is a screw; None for any other."""
+    letter, _, number = layer_name(name).partition(" ")
+    return f"{letter.upper()}({number.lstrip('+-')})" if letter in _LETTERS and number else None
 
 
 def layer_role(name: str) -> Role | None:

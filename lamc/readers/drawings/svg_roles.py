@@ -14,6 +14,7 @@ from lamc.readers.drawings.roles import (
     colour_role,
     layer_angle,
     layer_role,
+    lettered_layer,
     role_of,
     said_role,
 )
@@ -56,6 +57,11 @@ class ShapeRoles:
         elif role == "ignore":
             self.notes.add(
                 f"is left out: its layer {layer[:40]!r} is for nothing (--role '{layer[:40]}=cut' says what for)",
+                source,
+            )
+        elif of_layer is None and (meant := lettered_layer(layer)) is not None:
+            self.notes.add(
+                f"is on the layer {layer[:40]!r}: {role}, by its colour; if the layer is to be {meant!r}, name it so",
                 source,
             )
         elif of_layer is not None and of_colour not in (None, role, "border"):

@@ -71,6 +71,12 @@ def is_straight(points: Array, curve: Curve, tolerance: float) -> bool:
     return len(_fewer(points, curve.corners, tolerance)) == 2
 
 
+def fewest(points: Array, curves: Sequence[Curve], tolerance: float) -> int:
+    """How many vertices curves off by at most `tolerance`, m, have at least; `coarser` keeps more where they would
+    cross."""
+    return len({v for curve in curves for v in _fewer(points, curve.corners, tolerance)})
+
+
 def coarser(points: Array, curves: Sequence[Curve], tolerance: float) -> list[tuple[Edge, int]]:
     """Edges, each with the first edge of its curve, of curves off by at most `tolerance`, m, or less where they would
     cross, fall together, or pass over what lies beside them."""
@@ -114,20 +120,20 @@ def _in_conflict(points: Array, rows: Sequence[tuple[int, int, int]]) -> set[int
 def _passing_over(points: Array, curves: Sequence[Curve], kept: Sequence[tuple[int, ...]]) -> set[int]:
     """Curves with a corner that stays between them and their chords, or on those: it would come to lie on the other
     side, or amid an edge."""
-    hulls, owner, own = [], [], []
+    owner, own = [], []
     for k, (curve, corners) in enumerate(zip(curves, kept, strict=True)):
         at = {v: i for i, v in enumerate(curve.corners)}
         for a, b in pairwise(corners):
             if at[b] > at[a] + 1:
-                replaced = curve.corners[at[a] : at[b] + 1]
-                hulls.append(shapely.convex_hull(shapely.LineString(points[list(replaced)])))
                 owner.append(k)
-                own.append(frozenset(replaced))
-    if not hulls:
+                own.append(curve.corners[at[a] : at[b] + 1])
+    if not own:
         return set()
+    number = np.repeat(np.arange(len(own)), [len(each) for each in own])
+    hulls = shapely.convex_hull(shapely.linestrings(points[np.concatenate(own)], indices=number))
     left = np.unique([v for corners in kept for v in corners])
     near = NEAR * float(np.ptp(points, axis=0).max())
     tree = STRtree(shapely.points(points[left]))
-    over, vertices = tree.query(np.array(hulls, dtype=object), predicate="dwithin", distance=near)
+    over, vertices = tree.query(hulls, predicate="dwithin", distance=near)
     pairs = zip(over.tolist(), left[vertices].tolist(), strict=True)
     return {owner[k] for k, vertex in pairs if vertex not in own[k]}

@@ -14,7 +14,7 @@ from shapely.geometry import MultiPolygon
 
 from lamc.basics.errors import DesignError, LamcError, Place, warn
 from lamc.design.shapes import areas
-from lamc.readers.drawings.coarser import coarser, curves_of, is_straight
+from lamc.readers.drawings.coarser import coarser, curves_of, fewest, is_straight
 from lamc.readers.drawings.faces import faces_within, linked
 from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, healed, size_of
 from lamc.readers.drawings.loose import left_out
@@ -234,7 +234,10 @@ def _coarser(
     if before <= MOST_CORNERS or all(is_straight(graph.points, c, DEFAULT * size) for c in creases):
         return graph, kept
     for factor in COARSER:
-        rows = coarser(graph.points, curves, factor * DEFAULT * size)
+        most_off = factor * DEFAULT * size
+        if factor < COARSER[-1] and fewest(graph.points, curves, most_off) > MOST_CORNERS:
+            continue
+        rows = coarser(graph.points, curves, most_off)
         after = len({v for edge, _ in rows for v in edge})
         if after <= MOST_CORNERS:
             break

@@ -96,9 +96,8 @@ def find_branches(
     )
     found = list(known)
     are_more = local.basis.shape[1] > FEW_FREE or of >= MOST
-    in_families = any(
-        branch.freedoms > 1 + local.loose for branch in known
-    )  # whose examples know of no loads
+    # Examples know of no loads. What nearly is a zero may lie amid families, where loops hold less than on each.
+    in_families = fit is EXACTLY and any(branch.freedoms > 1 + local.loose for branch in known)
     if lead is not None and led is not None and (are_more or in_families):
         pushed = _pushed(geometry, angles, local, lead, fit, by_work=not are_more)
         zeros = [(x, local.freedoms(x, fit.family)) for x in itertools.islice(pushed, 1)]

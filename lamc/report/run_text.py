@@ -22,7 +22,7 @@ from lamc.run.result import Result
 from lamc.run.simulator import Simulator
 
 _NAMES = 6  # names in a list before it is cut
-_STAGES = ("load", "split", "load from cache", "plan", "derive", "lower", "emit", "compile", "run")
+_STAGES = ("load", "split", "load from cache", "plan", "derive", "lower", "emit", "compile", "branch", "run")
 
 
 @dataclass(frozen=True, eq=False)

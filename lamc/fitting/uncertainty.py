@@ -2,9 +2,9 @@
 
 In: residuals and their Jacobian at the optimum. Out: an `Account`. Intervals are those of Student's t for the
 linearised model (Seber & Wild, Nonlinear Regression, 1989, ch. 5), of logarithms where logarithms are sought; where
-numbers stand at bounds, of its profile (`bounded`). With a
-robust loss the covariance is Huber's (1981, ch. 7). What cannot be told is a direction of the unknowns along which the
-singular values of the Jacobian vanish, or in which noise leaves more than the numbers themselves.
+numbers stand at bounds, of its profile (`bounded`). With a robust loss the covariance is Huber's (1981, ch. 7). What
+cannot be told is a direction of the unknowns along which the singular values of the Jacobian vanish, or in which noise
+leaves more than the numbers themselves.
 """
 
 import math

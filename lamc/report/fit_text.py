@@ -73,8 +73,10 @@ def interval_text(fit: Fit, name: str) -> str:
     unit = "" if fit.units[name] == "1" else fit.units[name]
     if math.isnan(low):
         return "at its bound"
-    if math.isinf(low) or math.isinf(high):
-        return "any"
+    if math.isinf(high):
+        return "any" if math.isinf(low) or not low else f"at least {shown_number(low, unit, 5)}"
+    if math.isinf(low):
+        return f"at most {shown_number(high, unit, 5)}"
     return f"{shown_number(low, unit, 5)} … {shown_number(high, unit, 5)}"
 
 

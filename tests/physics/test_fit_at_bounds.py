@@ -2,6 +2,7 @@
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from lamc.fitting.bounded import within_bounds
 from lamc.fitting.unknowns import Unknown, Unknowns
 from lamc.records.mechanism import Array
 from lamc.records.recording import Free
+from lamc.report.fit_text import interval_text
 from tests.support.ctools import needs_cc
 
 LEG = """units: mm
@@ -102,3 +104,19 @@ def test_a_number_at_its_bound_may_be_within_for_the_others(tmp_path: Path) -> N
     assert len(found[True]) >= 2
     assert all(found[True])
     assert all(found[False])
+
+
+@pytest.mark.parametrize(
+    ("ends", "text"),
+    [
+        ((math.nan, math.nan), "at its bound"),
+        ((-math.inf, math.inf), "any"),
+        ((0.0, math.inf), "any"),
+        ((-math.inf, 0.002), "at most 2 mm"),
+        ((0.002, math.inf), "at least 2 mm"),
+        ((0.002, 0.003), "2 mm … 3 mm"),
+    ],
+)
+def test_an_interval_of_one_end_says_it(ends: tuple[float, float], text: str) -> None:
+    fit = SimpleNamespace(intervals={"a": ends}, units={"a": "m"})
+    assert interval_text(fit, "a") == text  # type: ignore[arg-type]

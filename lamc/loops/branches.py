@@ -30,14 +30,12 @@ FAINT = 1e-5  # of the largest singular value: of loops that hold so little, acc
 # Rad, of the joint that turns most: how far a start is moved for that, by at most so many steps.
 FARTHEST, MOST_STEPS = 0.05, 12
 BENT = 0.1  # of such a step: what is farther from the tangent is another motion
-BALANCED = (
-    1e-9  # of what single loads do along rates: as little is round-off of loads that balance one another
-)
+# Of what single loads do along rates: as little is round-off of loads that balance one another.
+BALANCED = 1e-9
 ASKED = 4  # directions about those that loads ask for, where not all branches are known
 ABOUT = 0.3  # of each rate: as far apart are these, so that what is alike in two creases does not stay so
-FEW_JOINTS = (
-    100  # of a sheet of one family: of more, each way to the cone takes a second, and the first one serves
-)
+# Of a sheet of one family: of more, each way to the cone takes a second, and the first one serves.
+FEW_JOINTS = 100
 CORNERS = 8  # such directions that are tried where a zero is a corner of its family
 
 
@@ -88,7 +86,6 @@ def find_branches(
     local = local or tangents(geometry, angles, fit)
     if not local.count:
         return ()
-    led = None if lead is None else lead.asked(angles)
     if local.is_one_family:
         return _one_of_many(geometry, angles, local, lead, rank)
     known, of = geometry.lately(
@@ -98,11 +95,11 @@ def find_branches(
     are_more = local.basis.shape[1] > FEW_FREE or of >= MOST
     # Examples know of no loads. What nearly is a zero may lie amid families, where loops hold less than on each.
     in_families = fit is EXACTLY and any(branch.freedoms > 1 + local.loose for branch in known)
-    if lead is not None and led is not None and (are_more or in_families):
+    if lead is not None and (are_more or in_families):
         pushed = _pushed(geometry, angles, local, lead, fit, by_work=not are_more)
         zeros = [(x, local.freedoms(x, fit.family)) for x in itertools.islice(pushed, 1)]
         if are_more:
-            zeros += _near(local, led, fit)
+            zeros += _near(local, lead.asked(angles), fit)
         asked = _followed(geometry, angles, local, zeros, fit)
         found += [branch for branch in asked if not any(_are_same(branch, other, fit) for other in found)]
     return tuple(found)

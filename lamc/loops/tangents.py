@@ -79,15 +79,12 @@ class Tangents:
     def held(self) -> Array:
         """(d, c): orthonormal, rates in coordinates of the basis that some form holds; all others are free of each
         other, as those of flaps outside all loops. All are, where there are no forms."""
+        size = self.basis.shape[1]
         if self.local is not None:
             flaps = self.basis[~self.local.held]
-            return (
-                np.asarray(np.linalg.svd(flaps)[2][len(flaps) :].T)
-                if len(flaps)
-                else np.eye(self.basis.shape[1])
-            )
+            return np.asarray(np.linalg.svd(flaps)[2][len(flaps) :].T) if len(flaps) else np.eye(size)
         if not len(self.forms):
-            return np.eye(self.basis.shape[1])
+            return np.eye(size)
         squares, axes = np.linalg.eigh(np.tensordot(self.forms, self.forms, axes=([0, 2], [0, 2])))
         some = squares > EXACTLY.forms**2 * squares[-1]
         return np.eye(len(axes)) if some.all() else np.asarray(axes[:, some])

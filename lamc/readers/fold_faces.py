@@ -217,6 +217,12 @@ def area_of(points: Array, ring: Face) -> float:
     return 0.5 * float(np.sum(xy[:, 0] * after[:, 1] - after[:, 0] * xy[:, 1]))
 
 
+def aside(place: Array, start: Array, end: Array) -> float:
+    """How far a place (2,) lies from the line between two others, m."""
+    (x, y), (along, across) = place - start, end - start
+    return float(abs(x * across - y * along)) / (math.hypot(along, across) or 1.0)
+
+
 def counterclockwise(points: Array, face: Face) -> Face:
     """The same face with its inside to the left."""
     return face if area_of(points, face) > 0.0 else tuple(reversed(face))

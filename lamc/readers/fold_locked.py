@@ -7,11 +7,11 @@ than π, the others are as long as the way between its ends is, and lie straight
 and the others lie straight too, on any half circle: the two creases beside it fold as one line, those between do not.
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from lamc.readers.fold_faces import aside
 from lamc.readers.fold_file import FoldFrame
 from lamc.records.mechanism import Array
 
@@ -51,7 +51,7 @@ def _edges_at(frame: FoldFrame) -> dict[int, list[int]]:
 def _stuck(frame: FoldFrame, vertex: int, creases: Sequence[int], points: Array) -> set[int]:
     """Of the creases at a vertex, those that stay flat. Two that are pieces of one hinge are in line."""
     others = [sum(frame.edges[k]) - vertex for k in creases]
-    if len(creases) == 2 and _aside(points[vertex], *points[others]) <= frame.off:
+    if len(creases) == 2 and aside(points[vertex], *points[others]) <= frame.off:
         return set()
     x, y = (points[others] - points[vertex]).T
     order = np.argsort(np.arctan2(y, x), kind="stable")
@@ -64,9 +64,3 @@ def _stuck(frame: FoldFrame, vertex: int, creases: Sequence[int], points: Array)
         return set()
     line = {int(order[widest]), int(order[(widest + 1) % len(order)])}
     return {k for i, k in enumerate(creases) if i not in line}
-
-
-def _aside(place: Array, start: Array, end: Array) -> float:
-    """How far a place (2,) lies from the line between two others, m."""
-    (x, y), (along, across) = place - start, end - start
-    return float(abs(x * across - y * along)) / (math.hypot(along, across) or 1.0)

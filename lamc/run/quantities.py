@@ -35,8 +35,8 @@ def quantity_of(result: "Result", name: str) -> Quantity:
     for known, unit, values in _all(result):
         if known == name:
             return Quantity(name, unit, values())
-    effect = name.removeprefix(f"{ENERGY}.") if isinstance(name, str) else name
-    if effect != name and effect in result.motion.model.energies:  # as measures call it
+    kind, _, effect = str(name).partition(".")
+    if kind == ENERGY and effect in result.motion.model.energies:  # as measures call it
         return Quantity(name, "J", result.energies[effect])
     raise KeyError(f"nothing of this run is named {name!r}; {did_you_mean(str(name), names(result))}")
 

@@ -285,8 +285,8 @@ class Result(GivenOut, Viewable, Unchanging):
     def quantity(self, name: str) -> Quantity:
         """Anything of the run by name, with its unit: a hinge's angle, a coordinate, a rate such as "base.vz" or
         "h1.rate", a body's centre or an output point by axis ("link.x", "tip.z"), an energy by effect ("gravity", or
-        "energy.gravity" as in measures),
-        "energy" or "constraint_error". Raises KeyError with the nearest names there are."""
+        "energy.gravity" as in measures), "energy" or "constraint_error". Raises KeyError with the nearest names there
+        are."""
         return quantity_of(self, name)
 
     def sensitivity(self, output: str, name: str) -> Array:

@@ -29,12 +29,8 @@ class Grouping:
 def group(store: Store, outputs: Sequence[Scalar], outer: Level) -> Grouping:
     """Statements for `outputs`; nodes up to level `outer` are taken as given."""
     live = _within(store, outputs, outer)
-    levels, operations, arguments, section_of = (
-        store.levels,
-        store.operations,
-        store.arguments,
-        store.section_of,
-    )
+    levels, operations = store.levels, store.operations
+    arguments, section_of = store.arguments, store.section_of
     of_effects = {number for number, section in enumerate(store.sections) if section.effect}
     uses = dict.fromkeys(live, 0)
     handed_over: set[int] = set()

@@ -170,7 +170,7 @@ def test_loads_do_most_work_on_the_branch_of_a_family_that_is_taken(
         asked = free @ np.linalg.solve(free.T @ inertia @ free, free.T @ force)
         points = on_the_cone(degree, asked)
         most = np.max(points @ force / np.sqrt(np.einsum("si,ij,sj->s", points, inertia, points)))
-        # Points of the cone come near to the most, and none beyond.
+        # Points of the cone come near to the most, and none beyond; the ascent ends where a round gains 1e-12 of it.
         assert rates @ force / np.sqrt(rates @ inertia @ rates) > (1.0 - 1e-6) * most
 
 

@@ -19,6 +19,7 @@ from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.material import material_of
 from lamc.readers.drawings.outlines import parting
 from lamc.readers.drawings.telling import name_of, told
+from lamc.readers.fold_faces import aside
 from lamc.records.design import Line
 from lamc.records.drawing import Drawing, Mend, Role, Stroke
 from lamc.records.mechanism import Array
@@ -105,7 +106,7 @@ def in_a_row(lines: Sequence[Line], tolerance: float) -> list[Point]:
         for place, ends in far.items()
         if len(ends) == 2
         and np.subtract(place, ends[0]) @ np.subtract(ends[1], place) > 0.0
-        and _aside(place, *ends) <= tolerance
+        and aside(*map(np.array, (place, *ends))) <= tolerance
     ]
     if not straight:
         return []
@@ -113,12 +114,6 @@ def in_a_row(lines: Sequence[Line], tolerance: float) -> list[Point]:
     near = tree.query(shapely.points(straight), "dwithin", tolerance)[0]
     counts = np.bincount(near, minlength=len(straight))
     return [place for place, count in zip(straight, counts.tolist(), strict=True) if count == 2]
-
-
-def _aside(place: Point, start: Point, end: Point) -> float:
-    """How far a place lies from the line between two others, m."""
-    along, off = np.subtract(end, start), np.subtract(place, start)
-    return abs(float(along[0] * off[1] - along[1] * off[0])) / (float(np.linalg.norm(along)) or 1.0)
 
 
 def says_angles(drawing: Drawing, layer: str | None) -> bool:

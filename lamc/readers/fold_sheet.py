@@ -27,8 +27,9 @@ from lamc.readers.fold_faces import (
     polygons_of,
 )
 from lamc.readers.fold_file import LINK, FoldFrame
+from lamc.readers.fold_fixed import Placed, fixed_groups
 from lamc.readers.fold_flat import Beside, Corners, angles_of, laid_flat, normals_of
-from lamc.readers.fold_groups import IN_LINE, Crease, grouped, joined_edges, pieces_of
+from lamc.readers.fold_groups import grouped, joined_edges, pieces_of
 from lamc.readers.fold_hinges import Hinges
 from lamc.readers.fold_level import LEVEL, SIDED, is_level, levelled
 from lamc.readers.fold_locked import locked_creases
@@ -146,7 +147,8 @@ class _Sheet:
             shapely.Polygon([facets.corners[k][v] for v in face]) for k, face in enumerate(facets.faces)
         ]
         names = {group: (own.bodies[group] if own.bodies else f"F{group}") for group in groups}
-        fixed = self._fixed(own, groups, creases, polygons, names)
+        facets_by_group = Placed(groups, names, polygons, self.seen or polygons, bool(self.seen))
+        fixed = fixed_groups(self.options.fixed, own.fixed, facets_by_group, creases, self.size, self.notes)
         bodies = self._bodies(groups, polygons, names, fixed, own)
         hinges = Hinges(frame, facets.beside, facets.corners, facets.angles, groups, self.options.crease, own)
         joints = hinges.joints(creases, fixed, names, {b.name: b for b in bodies})
@@ -307,59 +309,6 @@ class _Sheet:
                 "flat piece; cut it along an edge (assignment C)"
             )
         return _Facets(faces, beside, joined, corners, angles)
-
-    def _fixed(
-        self,
-        own: Own,
-        groups: Sequence[int],
-        creases: Sequence[Crease],
-        polygons: Sequence[shapely.Polygon],
-        names: Mapping[int, str],
-    ) -> list[int]:
-        """Groups that are fixed: one in each piece of the sheet."""
-        chosen: list[int] = []
-        given = self.options.fixed
-        if isinstance(given, str):
-            by_name = {f"F{face}": group for face, group in enumerate(groups)}
-            by_name |= {name: group for group, name in names.items()}
-            if given not in by_name:
-                raise DesignError(f"no facet is named {given[:40]!r}; they are F0 to F{len(groups) - 1}")
-            chosen = [by_name[given]]
-        elif given is not None:
-            point, seen = shapely.Point(given), self.seen or polygons
-            place = f"({given[0]:g}, {given[1]:g}) m"
-            within = [k for k, each in enumerate(seen) if each.is_valid and each.covers(point)]
-            if not within:
-                raise DesignError(
-                    f"no facet is at {place}; fixed must lie inside one, in the file's own x and y, or name one: F0 to "
-                    f"F{len(groups) - 1}"
-                )
-            over = [k for k in within if self.seen[k].contains(point)] if self.seen else []
-            if len(over) > 1:
-                listed = listed_names([names[groups[k]] for k in over])
-                raise DesignError(
-                    f"at {place} several facets lie over one another, {listed}: name one, as --fixed F1"
-                )
-            chosen = [groups[within[0]]]
-        elif own.fixed is not None:
-            chosen = sorted({group for group, name in names.items() if name in own.fixed})
-        pieces = pieces_of(sorted(set(groups)), [crease.groups for crease in creases])
-        free = [piece for piece in pieces if not set(piece) & set(chosen)]
-        if len(pieces) > 1 and free:
-            self.notes.append(
-                f"the sheet falls into {len(pieces)} pieces that no crease joins; {len(free)} of them are fixed by a "
-                "facet in their middle"
-            )
-        for piece in free:
-            piece_groups = set(piece)
-            members = [k for k, group in enumerate(groups) if group in piece_groups]
-            corners = shapely.get_coordinates(shapely.get_exterior_ring([polygons[k] for k in members]))
-            middle = shapely.linestrings(corners).envelope.centroid
-            away = shapely.distance([polygons[k] for k in members], middle)
-            # The lowest of those alike: the middle of a regular sheet is on an edge or a vertex, but for round-off.
-            nearest = members[int(np.argmax(away <= away.min() + IN_LINE * self.size))]
-            chosen.append(groups[nearest])
-        return chosen
 
     def _bodies(
         self,

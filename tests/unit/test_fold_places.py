@@ -47,7 +47,7 @@ def vertex(turn: Array, angles: Sequence[float | None] | None = None, digits: in
 
 def squares(angle: float, shift: float = 0.0) -> dict[str, Any]:
     """The right one is turned up by an angle, rad."""
-    x, z = 20.0 + 20.0 * math.cos(angle), 20.0 * math.sin(angle)
+    x, z = round(20.0 + 20.0 * math.cos(angle), 9), 20.0 * math.sin(angle)
     places = [[0, 0, 0], [20, 0, 0], [x, 0, z], [x, 20, z], [20, 20, 0], [0, 20, 0]]
     return SQUARES | {"vertices_coords": [[p[0] + shift, *p[1:]] for p in places]}
 
@@ -114,6 +114,12 @@ def test_a_place_on_a_folded_sheet_is_where_the_file_has_it(
     # Of facets that bend, each of two triangles, the first has its facet's number, and others come after all of these.
     of_face = {"F0": "F0", "F1": "F1", "F2": "F0", "F3": "F1"}
     assert of_face[fixed.name] == held
+
+
+def test_a_place_within_one_facet_and_on_the_rim_of_another_is_in_the_first(tmp_path: Path) -> None:
+    """The right square is folded by 120 degrees: its far side lies above the middle of the left one."""
+    made, _ = read(tmp_path / "s.fold", squares(math.radians(120.0)), fixed=(0.01, 0.01))
+    assert [body.name for body in made.bodies if body.fixed] == ["F1"]
 
 
 def test_a_place_where_facets_lie_over_one_another_is_refused(tmp_path: Path) -> None:

@@ -391,6 +391,7 @@ def test_folder_names_are_one_plain_path_component(name: str) -> None:
 # --- the other verbs ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @needs_cc
 def test_build_leaves_a_folder_that_compiles_and_runs(tmp_path: Path) -> None:
     pendulum(tmp_path / "p.yaml")

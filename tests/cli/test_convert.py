@@ -160,6 +160,7 @@ def matched(made: Mechanism, drawn: Mechanism, corner: tuple[float, float] = (0.
     )
 
 
+@pytest.mark.quick("waterbomb-.dxf", "box-.svg", "box-.dxf", "miura-.dxf")
 @pytest.mark.parametrize("suffix", [".svg", ".dxf"])
 @pytest.mark.parametrize("name", sorted(SHEETS))
 def test_sheets_come_back_from_drawings_with_the_options_that_are_told(

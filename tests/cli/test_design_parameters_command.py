@@ -54,6 +54,7 @@ def test_every_verb_that_reads_a_design_sets_its_parameters(words: tuple[str, ..
     assert "--set 'lenght=56 mm': no parameter is named 'lenght'; did you mean 'length'?" in refused.output
 
 
+@pytest.mark.slow
 def test_splitting_tells_the_parameters_and_uses_them() -> None:
     done = call("split", "d.yaml", "--set", "length=56 mm", "--out", "o")
     assert "parameters: length 56 mm, tilt 30°, t 0.3 mm, w 14 mm, k 0.002 N·m/rad, count 2" in done.output

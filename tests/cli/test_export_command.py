@@ -74,6 +74,7 @@ def test_options_reach_the_export(tmp_path: Path) -> None:
     assert "0.349066" in (tmp_path / "here" / "README.md").read_text(encoding="utf-8")  # 20 degrees
 
 
+@pytest.mark.slow
 def test_it_replaces_its_own_files_only(tmp_path: Path) -> None:
     out = tmp_path / "c"
     assert call("--example", "flaps", "--out", "c").exit_code == 0

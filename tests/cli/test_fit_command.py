@@ -63,6 +63,7 @@ FIT = (
 )
 
 
+@pytest.mark.slow
 def test_from_csv_to_a_scene_that_runs() -> None:
     film = ("--film", "--size", "96", "--camera", "front")
     said = call(*FIT, "--data", "run1.csv", "--angle", "h1=0.5", "--out", "found", "--json", *film)

@@ -51,6 +51,7 @@ def call(*words: str) -> Result:
     return CliRunner().invoke(main, ["optimise", *words])
 
 
+@pytest.mark.slow
 def test_an_optimum_is_told_written_and_drawn() -> None:
     words = (
         "rod.yaml",

@@ -94,6 +94,7 @@ def test_a_warning_is_one_line_on_stderr_and_none_with_quiet(tmp_path: Path) -> 
     assert call(*words, "--quiet").stderr == ""
 
 
+@pytest.mark.slow
 def test_split_tells_slit_and_strip(tmp_path: Path) -> None:
     done = call("split", "--example", "flaps", "--out", str(tmp_path), "--json")
     assert json.loads(done.stdout)["cuts"][0] == {"joint": "left", "gap": 4e-4, "slit": 4e-5}

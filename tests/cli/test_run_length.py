@@ -89,6 +89,7 @@ def test_frames_of_a_motion_end_there_too(monkeypatch: pytest.MonkeyPatch) -> No
     assert len(json.loads(file.read_text(encoding="utf-8"))["file_frames"]) == 2
 
 
+@pytest.mark.slow
 def test_a_run_that_short_steps_end_names_what_loops_fit_by_and_the_way_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -50,6 +50,7 @@ def test_many_geometries_leave_one_module_and_no_notes_in_the_cache(
     assert sorted(path.name for path in cache.iterdir()) == before
 
 
+@pytest.mark.slow
 def test_a_spring_stores_what_its_angle_says_and_a_jump_is_lower_than_that() -> None:
     assert (
         call("--study", "jump", "--vary", "spring=5,10 N*mm/rad", "--vary", "leg=20 mm").exit_code == 2

@@ -17,6 +17,7 @@ from tests.support.paths import ROOT
 pytestmark = [pytest.mark.usefixtures("unpainted"), needs_cc]
 
 
+@pytest.mark.slow
 def test_from_film_to_scene_as_a_reader_would(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for name in ("flap1.csv", "flap2.csv"):

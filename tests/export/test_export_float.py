@@ -182,6 +182,7 @@ def test_what_is_not_finite_is_refused(tmp_path: Path) -> None:
     assert model.state(it) == before
 
 
+@pytest.mark.quick("pendulum")
 @needs_cc
 @pytest.mark.parametrize("name", ["pendulum", "four_bar"])
 def test_derivatives_are_those_of_doubles_to_their_digits(name: str, tmp_path: Path) -> None:

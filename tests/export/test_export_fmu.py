@@ -134,6 +134,7 @@ class TestEveryKind:
             fmu.fmu.freeFMUState(kept)
             fmu.free()
 
+    @pytest.mark.quick("pendulum-3", "pendulum-2", "limit_stop-3")
     def test_it_begins_anew_after_a_reset(self, made, name, fmi):
         _, _, folder = made(name, fmi)
         fmu = Fmu(folder).begin(stop=T_END)

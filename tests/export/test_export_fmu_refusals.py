@@ -77,6 +77,7 @@ class TestRefusals:
         with fmu.refusing(name, "finite"):
             fmu.put({name: value})
 
+    @pytest.mark.quick("3")
     def test_one_bad_value_among_good_ones(self, fmu, fmi):
         names = [n for n in fmu.by_name if n.endswith((".stiffness", ".mass"))]
         values = dict.fromkeys(names, 1.0) | {names[-1]: float("nan")}

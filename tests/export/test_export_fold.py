@@ -89,6 +89,7 @@ def test_what_is_read_back_is_the_same_device(tmp_path: Path, make: Callable[[],
         np.testing.assert_allclose(np.cross(other.point - joint.point, joint.axis), 0.0, rtol=0.0, atol=1e-12)
 
 
+@pytest.mark.quick("cut", "net", "folded", "miura", "joined")
 @pytest.mark.parametrize("make", SHEETS, ids=EXPORTED)
 def test_frames_are_the_motion(tmp_path: Path, make: Callable[[], corpus.Data]) -> None:
     made = load(corpus.write(tmp_path / "sheet.fold", make()))

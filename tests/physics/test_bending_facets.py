@@ -102,6 +102,7 @@ def drawn_by_eye(folder: Path, off: float) -> Path:
     return fold_corpus.write(folder / f"miura_{off:g}.fold", data)
 
 
+@pytest.mark.quick("0.0001-True")
 @pytest.mark.parametrize(("off", "bend"), [(1e-6, False), (1e-5, False), (1e-4, True), (1e-3, True)])
 def test_facets_bend_where_rigid_ones_close_only_by_far(tmp_path: Path, off: float, bend: bool) -> None:
     """Loops of such sheets are off by some seven times as much as their corners."""
@@ -114,6 +115,7 @@ def test_facets_bend_where_rigid_ones_close_only_by_far(tmp_path: Path, off: flo
     assert all("--facets rigid" in note for note in told)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("columns", "turned"), [(3, 5.0), (3, 33.0), (4, 5.0), (5, 5.0), (5, 33.0)])
 def test_rigid_facets_of_six_digits_move_as_those_of_the_exact_drawing(
     columns: int, turned: float, tmp_path: Path
@@ -139,6 +141,7 @@ def test_rigid_facets_of_six_digits_move_as_those_of_the_exact_drawing(
     assert worst < 1e-3
 
 
+@pytest.mark.slow
 def test_a_sheet_whose_rigid_facets_come_apart_is_run_with_facets_that_bend(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

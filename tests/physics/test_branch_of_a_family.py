@@ -6,6 +6,7 @@ by points of the cone alone: lines between random points meet it where a quadrat
 """
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +41,7 @@ def axes(degree: int, directions: tuple[float, ...] = ()) -> Array:
     return np.stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))], axis=1)
 
 
+@cache
 def folded(degree: int, seed: int) -> Array:
     """Fold angles (n,), rad, with which the facets around the vertex meet: a state that a sheet can rest in."""
     random = np.random.default_rng(seed)
@@ -154,6 +156,7 @@ def taken(simulator: lamc.Simulator, degree: int) -> tuple[Array, int]:
     return np.sign(number) * branch.row(tuple(f"E{k}" for k in range(degree))), branch.freedoms
 
 
+@pytest.mark.quick("5-False")
 @needs_cc
 @pytest.mark.parametrize("tab", [False, True])
 @pytest.mark.parametrize("degree", sorted(DIRECTIONS))
@@ -174,6 +177,7 @@ def test_loads_do_most_work_on_the_branch_of_a_family_that_is_taken(
         assert rates @ force / np.sqrt(rates @ inertia @ rates) > (1.0 - 1e-6) * most
 
 
+@pytest.mark.quick("6-True")
 @needs_cc
 @pytest.mark.parametrize("falls", [False, True])
 @pytest.mark.parametrize("degree", sorted(DIRECTIONS))
@@ -192,6 +196,7 @@ def test_on_a_base_that_is_free_loads_do_most_work_too(tmp_path: Path, degree: i
     assert rates @ force / np.sqrt(rates @ inertia @ rates) > (1.0 - 1e-6) * most
 
 
+@pytest.mark.slow
 @needs_cc
 @pytest.mark.parametrize("degree", sorted(DIRECTIONS))
 def test_a_sheet_that_is_turned_takes_the_same_branch(tmp_path: Path, degree: int) -> None:
@@ -218,6 +223,7 @@ def test_loads_that_balance_make_no_branch_of_round_off(tmp_path: Path, crease: 
     assert len(simulator.branches) == 1
 
 
+@pytest.mark.slow
 @needs_cc
 @pytest.mark.parametrize("degree", sorted(DIRECTIONS))
 def test_a_vertex_folds_to_where_its_creases_rest(tmp_path: Path, degree: int) -> None:
@@ -234,6 +240,7 @@ def test_a_vertex_folds_to_where_its_creases_rest(tmp_path: Path, degree: int) -
     assert ends[1] == pytest.approx(rest.tolist(), abs=1e-3)
 
 
+@pytest.mark.slow
 @needs_cc
 def test_a_map_whose_loops_close_by_round_off_takes_one_of_its_families(tmp_path: Path) -> None:
     """Panels of a third of 100 mm close by round-off, and forms are nought within 5e-3 then: what loads ask for lies

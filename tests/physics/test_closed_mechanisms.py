@@ -125,6 +125,7 @@ def test_a_joint_that_can_turn_little_does_not_lock_the_count(seed: int) -> None
     assert count_loops(plan(closed.mechanism)).freedoms == closed.freedoms
 
 
+@pytest.mark.slow
 @settings(
     max_examples=tries(15),
     phases=AS_DRAWN,

@@ -220,6 +220,7 @@ def test_misaligned_ring_moves_on_its_bushing_and_keeps_its_energy(floats: bool)
     assert np.abs(np.array(total) / total[0] - 1.0).max() <= 1e-9  # a run at rtol 1e-11
 
 
+@pytest.mark.slow
 @needs_cc
 def test_ring_on_its_bushing_compiles_and_runs_as_its_equations_say() -> None:
     mechanism = with_base(ring())

@@ -36,6 +36,7 @@ def test_twice_the_work_goes_farther_and_as_much_ends_alike(sheet: lamc.Simulato
     assert (more.t[: len(less.t) - 1] == less.t[:-1]).all()
 
 
+@pytest.mark.slow
 def test_rows_and_the_energy_balance_change_nothing_of_where_it_ends(sheet: lamc.Simulator) -> None:
     """They are evaluated between steps, and settled there, which is work that the motion does not need."""
     plain = sheet.run(10.0, max_work=1e6)
@@ -75,6 +76,7 @@ def large(tmp_path_factory: pytest.TempPathFactory) -> lamc.Simulator:
     return lamc.compile(lamc.load(path, card=lamc.Card(), crease=1e-3))
 
 
+@pytest.mark.slow
 def test_the_remark_has_the_steps_that_were_taken(
     large: lamc.Simulator, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -162,6 +162,7 @@ def yielding(
     return lamc.compile(crank_rocker(mirror, "BC"), scene)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", [(), (JointLimits(stiffness=50.0, damping=0.0, flat_fold=True),)])
 def test_a_hinge_that_yields_and_closes_the_loop_counts_turns(effects: tuple[Any, ...]) -> None:
     t = np.linspace(0.0, 0.2, 401)

@@ -22,6 +22,7 @@ from tests.support.quick import tries
 T = np.linspace(0.0, 0.5, 6)  # s
 
 
+@pytest.mark.slow
 @settings(max_examples=tries(20), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     n=st.integers(1, 6),

@@ -151,6 +151,7 @@ def test_loops_on_a_base_that_floats_are_runs_by_themselves() -> None:
     assert_alike(sim, many, parameters, **how)
 
 
+@pytest.mark.quick("impacts-cubic", "free-cubic")
 @pytest.mark.parametrize("hold", ["previous", "cubic"])
 @pytest.mark.parametrize("effects", [(), (lamc.JointLimits(restitution=0.7),)], ids=["free", "impacts"])
 def test_loops_that_a_series_drives_are_runs_by_themselves(hold: str, effects: tuple[Any, ...]) -> None:

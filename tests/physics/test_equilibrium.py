@@ -117,6 +117,7 @@ def on_the_axis(sim: Simulator) -> dict[float, object]:
     return {round(y, 6) + 0.0: point for (x, y), point in places if abs(x) < 1e-6}
 
 
+@pytest.mark.slow
 def test_von_mises_truss_has_two_stable_places_and_an_unstable_one_between() -> None:
     sim = truss()
     found = on_the_axis(sim)

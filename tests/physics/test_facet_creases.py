@@ -217,6 +217,7 @@ def quadrilaterals(extra: str) -> Mechanism:
     )
 
 
+@pytest.mark.slow
 @needs_cc
 def test_quadrilaterals_of_any_shape_move_where_facets_bend() -> None:
     rigid = quadrilaterals("")

@@ -125,6 +125,7 @@ def test_slopes_are_those_of_coarse_differences(design: lamc.Design) -> None:
         assert np.all(error < 1e-5 * size), each.name  # central differences miss 1e-8 times third derivatives
 
 
+@pytest.mark.slow
 def test_a_product_is_named_and_not_guessed(design: lamc.Design) -> None:
     both = lamc.Recording(
         T,

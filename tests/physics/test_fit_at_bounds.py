@@ -79,6 +79,7 @@ def leg(folder: Path) -> lamc.Design:
     return made
 
 
+@pytest.mark.slow
 @needs_cc
 def test_a_number_at_its_bound_may_be_within_for_the_others(tmp_path: Path) -> None:
     """Length and damping are told together by these data; where noise takes damping to its bound, the interval of the

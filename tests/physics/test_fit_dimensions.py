@@ -65,6 +65,7 @@ def test_derivatives_by_dimensions_are_those_of_runs_beside() -> None:
             )
 
 
+@pytest.mark.slow
 def test_several_dimensions_are_found_by_few_runs() -> None:
     rng = np.random.default_rng(0)
     run = lamc.compile(four_bar().with_parameters(SIZES)).run(t_end=0.3, t_eval=T)

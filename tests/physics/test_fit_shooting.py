@@ -52,6 +52,7 @@ def check(fit: lamc.Fit) -> None:
     assert not fit.unidentifiable
 
 
+@pytest.mark.slow
 def test_pieces_that_meet_recover_a_chaotic_pendulum(recording: lamc.Recording) -> None:
     fit = lamc.fit(double_pendulum(), recording, list(TRUE), SCENE, segments=20)
     check(fit)

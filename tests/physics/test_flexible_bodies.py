@@ -125,6 +125,7 @@ def hub_beam() -> tuple[Strip, Mechanism]:
     return beam, Mechanism((Body("ground", fixed=True), beam.body), (joint,))
 
 
+@pytest.mark.slow
 def test_rotating_beam_of_one_mode_moves_as_lagrange_says() -> None:
     # Points (x, z = φ η) in a frame turned by θ about y: T = ½ ∫ρ ((x θ̇ - φ η̇)² + φ² η² θ̇²), by sympy
     beam, mechanism = hub_beam()

@@ -34,6 +34,7 @@ def load(folder: Path, data: Data) -> Mechanism:
     return sheet
 
 
+@pytest.mark.quick("scipy:DOP853", "radau5")
 @pytest.mark.parametrize("integrator", ["auto", "radau5", "scipy:DOP853"])
 def test_a_miura_sheet_ends_folded_flat(integrator: str, tmp_path: Path) -> None:
     simulator = lamc.compile(load(tmp_path, resting_flat(miura(4, 3))))
@@ -58,6 +59,7 @@ def test_a_miura_sheet_ends_folded_flat(integrator: str, tmp_path: Path) -> None
     assert np.array_equal(as_far.y, ended.y)
 
 
+@pytest.mark.slow
 def test_a_fold_that_goes_through_itself_ends(tmp_path: Path) -> None:
     """The inner rings of a pleated square, which nothing stops."""
     simulator = lamc.compile(load(tmp_path, resting_flat(hypar(7))))

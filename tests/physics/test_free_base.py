@@ -96,6 +96,7 @@ def test_thrown_body_follows_a_parabola() -> None:
     assert np.abs(rotation - quaternion_matrix(run.q[-1, -4:])).max() <= 1e-14
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mechanism", [chain(3, "space", seed=3), random_tree(4, seed=8, kind="laminate")])
 def test_floating_chain_keeps_momentum_and_energy(mechanism: Mechanism) -> None:
     mechanism = with_base(mechanism)

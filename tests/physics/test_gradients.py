@@ -156,6 +156,7 @@ def test_touch_downs_on_a_floating_base() -> None:
     assert len(found.events) >= 8
 
 
+@pytest.mark.quick("cubic", "linear")
 @pytest.mark.parametrize("hold", ["previous", "linear", "cubic"])
 def test_jumps_and_kinks_of_a_series(hold: str) -> None:
     command = lamc.Series(np.linspace(0.0, 1.0, 6), [0.0, 0.1, -0.1, 0.2, 0.05, 0.3], hold=hold)
@@ -176,6 +177,7 @@ def test_a_servo_that_saturates() -> None:
     assert check(sim, [*sim.parameters, "angles.h"], 0.5, close=1e-8).events  # see stops
 
 
+@pytest.mark.quick("radau5")
 @pytest.mark.parametrize("integrator", ["dop853", "radau5"])
 def test_a_servo_that_samples(integrator: str) -> None:
     servo = lamc.Servo(joint="h", command=0.5, stiffness=2.0, damping=0.02, period=0.013)

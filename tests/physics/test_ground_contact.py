@@ -240,6 +240,7 @@ def test_gravity_alone_brings_the_default_ground_to_a_small_depth() -> None:
     assert result.q[-1, 0] * 0.1 == pytest.approx(1e-3 * mechanism.size, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_four_cross_checks_agree_on_a_chain_that_lies_on_slanting_ground() -> None:
     """Points of every body of a chain in space, some in the ground and sliding: C, its interpretation, Newton and Euler
     in numbers, and maximal coordinates."""

@@ -91,6 +91,7 @@ def downhill(result: Result, degrees: float, by: str) -> np.ndarray:
     return velocities(result) @ np.array(along)
 
 
+@pytest.mark.quick("gravity")
 @pytest.mark.parametrize("by", ["gravity", "normal"])
 def test_a_block_sticks_below_the_friction_angle_but_for_a_creep(by: str) -> None:
     """μ v / sqrt(v² + vs²) = tan(slope): the creep is a property of the smooth law, and a number."""
@@ -106,6 +107,7 @@ def test_a_block_sticks_below_the_friction_angle_but_for_a_creep(by: str) -> Non
         assert creep < 3e-3  # m/s
 
 
+@pytest.mark.quick("gravity")
 @pytest.mark.parametrize("by", ["gravity", "normal"])
 def test_a_block_slides_above_the_friction_angle_as_coulomb_says(by: str) -> None:
     """g (sin - μ cos); what friction lacks at a speed v, (vs / v)² / 2 of it, is 1e-4 here by mid-way."""

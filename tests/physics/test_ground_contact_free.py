@@ -98,6 +98,7 @@ def test_auto_bears_friction_that_is_a_hundred_times_as_sharp() -> None:
     assert not explicit.success
 
 
+@pytest.mark.slow
 def test_the_energy_balance_of_a_fall_balance() -> None:
     """What gravity gives, the ground takes, but for what it still stores."""
     result = tossed(GroundContact()).run(3.0, rtol=1e-10, atol=1e-12, energy_balance=True)
@@ -119,6 +120,7 @@ def test_where_it_comes_to_rest_does_not_depend_on_the_method() -> None:
     assert found[2] == pytest.approx(found[0], abs=1e-4 * SIZE)
 
 
+@pytest.mark.quick("0.7")
 @pytest.mark.parametrize("direction", [0.0, 0.7])  # rad, of the slope in the plane
 def test_a_free_plate_sticks_and_slides_on_a_slope(direction: float) -> None:
     """The plane slants by 30° towards any side, and the plate lies on it; tan 30° = 0.577."""

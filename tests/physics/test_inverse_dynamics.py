@@ -25,6 +25,7 @@ def everything(floats: bool) -> General:
     return General(with_base(mechanism), effects)
 
 
+@pytest.mark.quick("fluid", "loop", "ring")
 @pytest.mark.parametrize("name", ["still", "floating", "ring", "loop", "fluid"])
 def test_composite_bodies_give_the_derivative_of_the_residual(name: str) -> None:
     if name in ("still", "floating"):

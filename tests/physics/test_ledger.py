@@ -129,6 +129,7 @@ def test_errors_of_the_points_are_those_against_the_closed_form(free: Ledger) ->
         assert point.steps == result.stats.accepted
 
 
+@pytest.mark.slow
 def test_energy_of_a_free_swing_drifts_less_at_tighter_tolerances(free: Ledger) -> None:
     drifts = [p.drift for p in points_of(free, "rk45") if p.drift is not None]
     assert len(drifts) == 10
@@ -140,6 +141,7 @@ def test_damped_scene_has_no_drift_to_tell(swinging: Ledger) -> None:
     assert all(p.drift is None for p in swinging.points)
 
 
+@pytest.mark.slow
 def test_two_peers_that_share_no_integrator_code_agree_with_the_reference(swinging: Ledger) -> None:
     for name in ("scipy:DOP853", "scipy:LSODA"):
         tightest = points_of(swinging, name)[-1]

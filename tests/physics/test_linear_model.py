@@ -34,6 +34,7 @@ def of_joints(sim: lamc.Simulator, h: float, q: np.ndarray) -> np.ndarray:
     return found
 
 
+@pytest.mark.quick("4")
 @pytest.mark.parametrize("count", [4, 14])  # with exact derivatives, and with differences
 def test_a_tree_is_linearised_as_central_differences_say(count: int) -> None:
     mechanism = random_tree(count, seed=count, kind="space")

@@ -248,6 +248,7 @@ def test_a_larger_rounded_sheet_stays_as_closed_as_it_is_accepted() -> None:
     assert result.constraint_error.max() <= sim.loops.accepted_gap
 
 
+@pytest.mark.slow
 @needs_cc
 def test_a_rounded_sheet_that_cannot_go_on_says_where_and_why() -> None:
     """Three decimals of a millimetre let a falling 3 x 3 sheet fold up to some 170 degrees: there the drawing's misfit

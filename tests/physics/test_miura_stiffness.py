@@ -117,6 +117,7 @@ def first_and_second(theta: float, drawn: float, rest: dict[str, float]) -> tupl
     return first, sum(stiffness[n] * (by[n] ** 2 + strain[n] * twice[n]) for n in by)
 
 
+@pytest.mark.quick("strained-S")
 @pytest.mark.parametrize("along", ["S", "L"])
 @pytest.mark.parametrize("rest", [{"a": 0.0, "b": 0.0}, {"a": 0.5, "b": -0.3}], ids=["relaxed", "strained"])
 def test_the_cell_yields_to_small_end_loads_as_its_closed_form(along: str, rest: dict[str, float]) -> None:

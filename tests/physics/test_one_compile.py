@@ -132,6 +132,7 @@ def test_a_hinge_that_becomes_parallel_is_another_structure() -> None:
     assert one.structure != other.structure
 
 
+@pytest.mark.slow
 def test_the_second_drawing_compiles_and_derives_nothing_and_moves_as_if_it_had(tmp_path: Path) -> None:
     for name in ("four_bar", "flapping_wing", "limit_stop"):
         made = lamc.load(examples.path(name))
@@ -210,6 +211,7 @@ def test_fold_angles_of_a_sheet_have_few_programs(count: int) -> None:
     assert len(structures) <= 3
 
 
+@pytest.mark.slow
 def test_another_fold_angle_runs_by_the_same_code(tmp_path: Path) -> None:
     sim = lamc.compile(of_sheet(3, 1.0), cache=Cache(tmp_path / "shared"))
     for theta in (0.85, 1.3):

@@ -5,6 +5,7 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 import lamc
 from lamc.loops.branches import find_branches
@@ -33,6 +34,7 @@ def sheet(folder: Path, *, decimals: int | None) -> Mechanism:
     return made
 
 
+@pytest.mark.slow
 def test_a_sheet_of_six_digits_has_the_rank_of_the_exact_one(tmp_path: Path) -> None:
     """By the first steps it had two freedoms: one is of the second order there, and tears farther out. No way has more
     freedoms than the exact drawing's ways have."""

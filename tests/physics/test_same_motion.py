@@ -68,6 +68,7 @@ def run_of(mechanism: Mechanism, pull: np.ndarray, angles: dict[str, float], rat
 Changed = Callable[[Mechanism], Mechanism]
 
 
+@pytest.mark.slow
 @settings(
     max_examples=tries(10),
     phases=(Phase.explicit, Phase.reuse, Phase.generate),

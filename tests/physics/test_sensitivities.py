@@ -141,6 +141,7 @@ def test_a_tree_against_differences() -> None:
     check(tree, [*some, f"angles.{sim.joints[0]}"], 0.4)
 
 
+@pytest.mark.slow
 def test_a_loop_by_a_load_an_angle_and_a_length() -> None:
     check(example("four_bar"), ["link.stiffness", "angles.arm", "arm_length"], 0.5)
 
@@ -374,7 +375,7 @@ DEVICES: dict[str, Callable[[], lamc.Design | Mechanism]] = {
 }
 
 
-@pytest.mark.quick("a loop-dop853-*", "samples-dop853-")
+@pytest.mark.quick("samples-dop853-")
 @pytest.mark.ci(
     "a loop-dop853-*",
     "samples-*-",

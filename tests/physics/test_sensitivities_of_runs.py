@@ -64,6 +64,7 @@ def test_with_baumgartes_stabilisation() -> None:
     check(example("four_bar"), ["link.stiffness", "link.mass"], 0.3, rate, also=rate)
 
 
+@pytest.mark.quick("DOP853")
 @pytest.mark.parametrize("method", ["DOP853", "LSODA"])
 def test_by_an_integrator_of_scipy(method: str) -> None:
     check(chain(3), ["body1.mass"], 0.2, {"integrator": f"scipy:{method}"})

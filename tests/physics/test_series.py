@@ -157,6 +157,7 @@ def sine(rows: int, hold: str = "linear", noise: float = 0.0) -> Series:
     return Series(t, values + noise * np.random.default_rng(0).standard_normal(rows), hold)
 
 
+@pytest.mark.slow
 def test_a_million_rows_take_no_more_steps_than_the_signal_does() -> None:
     gravity = Gravity((0.0, 0.0, -G))
     smooth = driven(sine(101, "cubic"), gravity)
@@ -273,6 +274,7 @@ def test_work_of_a_series_balances_the_energy() -> None:
     assert np.abs(stored - result.work["torque"]).max() < 1e-8 * stored.max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hold", ["previous", "linear"])
 def test_a_stop_is_struck_within_a_kinked_torque(hold: str) -> None:
     stop, times = 0.4, np.array([0.0, 0.1, 0.2, 1.0])

@@ -44,6 +44,7 @@ def compare(mechanism: Mechanism, seed: int) -> None:
         assert np.abs(found - newton.acceleration(q, u, 0.3)).max() <= 1e-10 * size
 
 
+@pytest.mark.slow
 @settings(max_examples=tries(15), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(mechanism=trees(30), seed=st.integers(0, 2**31))
 def test_three_cross_checks_agree_on_random_trees(mechanism: Mechanism, seed: int) -> None:

@@ -26,6 +26,7 @@ def sheet(folder: Path, data: fold_corpus.Data, facets: Literal["rigid"] | None 
     return loaded
 
 
+@pytest.mark.slow
 @needs_cc
 def test_inertia_in_numbers_is_that_of_the_generated_energies(tmp_path: Path) -> None:
     sim = lamc.compile(sheet(tmp_path, fold_corpus.hypar(4)), Scene(without=("gravity",)))

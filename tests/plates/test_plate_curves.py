@@ -49,6 +49,9 @@ def middle(problem: Problem, x: float = 0.0, y: float = 0.0) -> float:
     return float(solution.deflection(x, y))
 
 
+@pytest.mark.quick(
+    "32-0.02-soft", "32-0.02-hard", "64-0.01-hard", "64-0.01-soft", "128-0.004-soft", "32-0.004-hard"
+)
 @pytest.mark.parametrize("kind", ["hard", "soft"])
 @pytest.mark.parametrize(
     ("corners", "size"), [(32, 0.02), (32, 0.004), (64, 0.01), (64, 0.004), (128, 0.004)]

@@ -315,6 +315,7 @@ def test_a_stiff_hinge_line_is_no_hinge() -> None:
 # -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_what_the_element_cannot_do_is_refused_by_name() -> None:
     made = plate.Laminate([plate.Ply(ALUMINIUM, 0.1)])
     problem = plate.Problem(

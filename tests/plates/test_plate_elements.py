@@ -242,6 +242,7 @@ def test_turning_the_plate_turns_its_unknowns(name: str) -> None:
     assert relative(T.T @ rotated @ T, own.stiffness(corners, section)) < 1e-13
 
 
+@pytest.mark.quick("dkt+cst", "bciz+lst")
 @pytest.mark.parametrize("name", ["dkt+cst", "bciz+lst", "bfs+q9"])
 def test_uncoupled_section_gives_bending_and_membrane_side_by_side(name: str) -> None:
     bending, membrane = name.split("+")

@@ -199,6 +199,7 @@ def test_compliance_of_a_coupled_plate_changes_as_differences_say() -> None:
     )
 
 
+@pytest.mark.slow
 def test_deflection_at_a_point_changes_as_differences_say() -> None:
     at = (1.3, 0.7)
     problem = cantilever(THICK, LOADS)

@@ -34,6 +34,7 @@ def test_dissection_orders_every_unknown_once_and_the_same_every_time(name: str)
     assert np.array_equal(order, nested_dissection(matrix, points))
 
 
+@pytest.mark.quick("holed-1.8", "grid-1.4")
 @pytest.mark.parametrize(("name", "worst"), [("grid", 1.4), ("strip", 3.5), ("holed", 1.8), ("slivers", 3.5)])
 def test_dissection_fills_about_as_little_as_minimum_degree(name: str, worst: float) -> None:
     # Within a constant; long strips suit minimum degree, and are cheap in any order.

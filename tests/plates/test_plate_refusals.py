@@ -230,6 +230,7 @@ def free(*supports: Any, mesh: plate.Mesh = SQUARE, **given: Any) -> str:
     return str(caught.value)
 
 
+@pytest.mark.slow
 def test_a_free_plate_names_its_rigid_motions(shared: Any) -> None:
     message = free()
     assert "piece 1 of 1 at (0.5, 0.5) may turn about x, may turn about y, may rise;" in message
@@ -342,6 +343,7 @@ def notes(**given: Any) -> str:
     return " | ".join(plate.solve(problem(**{"loads": [plate.Pressure(1.0)], **given})).report.notes)
 
 
+@pytest.mark.quick("union-jack")
 @pytest.mark.parametrize("pattern", ["criss-cross", "union-jack"])
 def test_bciz_off_its_meshes_is_warned_of(pattern: str) -> None:
     mesh = plate.grid(1.0, 1.0, 4, 4, pattern)
@@ -376,6 +378,7 @@ def test_bciz_is_as_far_off_as_the_warning_says(shared: Any) -> None:
         assert limit == pytest.approx(bias, rel=0.1, abs=1e-3)  # the table's own tolerance
 
 
+@pytest.mark.slow
 def test_slivers_with_specht_are_warned_of() -> None:
     thin = plate.grid(1.0, 1.0, 2, 200)
     assert "element 'specht' on cells up to 100 times as long as high" in notes(mesh=thin, element="specht")
@@ -404,6 +407,7 @@ def test_what_slivers_cost_is_as_the_warnings_say(shared: Any, aspect: int) -> N
     assert share("dkt", 4)[0] == pytest.approx(dkt, abs=0.01)  # squares do no better
 
 
+@pytest.mark.quick("0.0008-4", "bottom-8", "0.0008-8")
 @pytest.mark.parametrize("cells", [4, 8])
 @pytest.mark.parametrize("reference", ["bottom", 0.8e-3])
 def test_a_reference_off_the_middle_costs_what_the_warning_says(cells: int, reference: str | float) -> None:

@@ -192,6 +192,7 @@ def test_a_quarter_between_symmetries_is_told_what_the_whole_is() -> None:
     assert plate.solve(quarter).shear_share == pytest.approx(whole, rel=0.05)  # patches at the cut
 
 
+@pytest.mark.slow
 def test_quadrilaterals_are_told_the_same() -> None:
     mesh = plate.grid(0.2, 0.2, 24, 24, "squares")
     held, loads = [plate.Clamped("boundary")], [plate.Pressure(1e3)]

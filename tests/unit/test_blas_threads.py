@@ -91,6 +91,7 @@ def linkage() -> lamc.Simulator:
     return lamc.compile(closed_mechanism("planar", 3).mechanism)
 
 
+@pytest.mark.quick("notes")
 @needs_cc
 @pytest.mark.parametrize(
     "ask",

@@ -318,6 +318,7 @@ def cad_of_combs(teeth: int, operation: str) -> str:
     return cads.cad(drawn + operation, parent=7, sketches=sketches)
 
 
+@pytest.mark.quick("intersection")
 @pytest.mark.parametrize("function", ["union", "intersection", "difference", "symmetric_difference"])
 def test_popupcad_laminates_that_cross_too_often_are_refused_at_their_operation(function: str) -> None:
     """Two combs of 200 teeth: over a minute, and gigabytes."""

@@ -93,6 +93,7 @@ def refused(words: str, **options: object) -> str:
 # ---- warm loads -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_warm_load_skips_the_derivation(root: Path) -> None:
     first, cold = compiled()
     assert {"plan", "derive", "lower", "emit", "compile"} <= set(cold.seconds)
@@ -107,6 +108,7 @@ def test_a_warm_load_skips_the_derivation(root: Path) -> None:
     no_debris(root)
 
 
+@pytest.mark.slow
 def test_what_changes_the_binary_changes_the_entry_and_what_does_not_does_not(root: Path) -> None:
     compiled()
     compiled(fast=True)

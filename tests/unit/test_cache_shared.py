@@ -108,6 +108,7 @@ def test_any_mask_makes_a_cache_of_the_users_own(root: Path, mask: int) -> None:
     assert stat.S_IMODE(folder.stat().st_mode) == 0o700
 
 
+@pytest.mark.slow
 @needs_cc
 def test_a_home_that_cannot_be_written_is_reported_and_a_folder_elsewhere_helps(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -116,6 +116,7 @@ def test_a_corner_on_the_chord_keeps_a_curve_off_it() -> None:
     assert len(left) < len(edges)  # it has fewer corners all the same
 
 
+@pytest.mark.slow
 def test_a_sheet_of_curved_creases_has_fewer_corners_and_says_so(tmp_path: Path) -> None:
     sheet, told = loaded(tmp_path, *waves(6))
     note = next(note for note in told if "its curves have" in note)
@@ -131,6 +132,7 @@ def test_a_sheet_of_curved_creases_has_fewer_corners_and_says_so(tmp_path: Path)
     assert len(whole.joints) > 2 * len(sheet.joints)
 
 
+@pytest.mark.slow
 def test_few_corners_and_straight_creases_stay_as_they_are(tmp_path: Path) -> None:
     _, told = loaded(tmp_path, *waves(1))
     assert not any("its curves have" in note for note in told)

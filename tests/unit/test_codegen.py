@@ -141,6 +141,7 @@ def hostile() -> Mechanism:
     return Mechanism(tuple(bodies), tuple(joints), name=HOSTILE[2])
 
 
+@pytest.mark.slow
 @needs_cc
 def test_hostile_names_compile_and_come_back_unchanged(tmp_path: Path) -> None:
     mechanism = hostile()

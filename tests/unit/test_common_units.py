@@ -44,6 +44,7 @@ def test_units_that_are_plain_are_so_by_pint() -> None:
             assert si_units._parsed(si_units._spelled(unit)) == si_units.SIUnit(unit, 1.0)
 
 
+@pytest.mark.slow
 @needs_cc
 def test_a_sheet_without_units_of_its_own_runs_without_pint(tmp_path: Path) -> None:
     """Half a second of a start: its parameters have units, thickness, density and creases."""

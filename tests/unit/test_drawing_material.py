@@ -233,6 +233,7 @@ def test_boxes_within_boxes_count_by_turns(seed: int) -> None:
     assert material(*strokes).region.area == pytest.approx(np.count_nonzero(depth % 2), rel=1e-12)
 
 
+@pytest.mark.slow
 @settings(max_examples=200, deadline=None)
 @given(
     st.lists(

@@ -287,6 +287,7 @@ def test_the_sheet_runs() -> None:
     assert json.dumps([m.what for m in made.mends]) == "[]"
 
 
+@pytest.mark.slow
 @settings(max_examples=tries(200), deadline=None)
 @given(
     strokes=st.lists(

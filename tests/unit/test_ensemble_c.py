@@ -180,7 +180,7 @@ def test_sanitizers_find_nothing_and_lanes_give_the_bits_of_one(
     ("flags", "width"), [((), 2), (("-mavx",), 4), (("-mavx2", "-mfma"), 4), (("-DLAMC_ONE_LANE",), 1)]
 )
 @pytest.mark.parametrize("name", ["tree", "two_loops"])
-@pytest.mark.quick("two_loops-flags1-4")
+@pytest.mark.slow
 @pytest.mark.ci("two_loops-*", "tree-flags1-4")
 def test_other_machines_have_other_lanes_and_the_same_bits(
     flags: tuple[str, ...], width: int, name: str, tmp_path: Path

@@ -251,6 +251,7 @@ def value_or_refusal(text: str) -> None:
     assert time.perf_counter() - start < 1.0  # takes milliseconds; the rest is for a loaded machine
 
 
+@pytest.mark.slow
 @settings(max_examples=tries(500), deadline=None)
 @given(st.text(max_size=200))
 def test_any_text_is_a_value_or_one_error(text: str) -> None:

@@ -184,6 +184,7 @@ def test_heal_says_within_what_and_is_for_lines(tmp_path: Path) -> None:
         lamc.load(corpus.write(tmp_path / "faces.fold", corpus.miura(2, 2, faces=True)), heal=1e-4)
 
 
+@pytest.mark.slow
 def test_folded_lines_and_too_many_stay_refused(tmp_path: Path) -> None:
     folded = square(((-40, 0), (40, 0), "V", 70.0), ((0, -40), (0, 40), "M", -70.0))
     folded["vertices_coords"] = [[*place, 0.1 * k] for k, place in enumerate(folded["vertices_coords"])]
@@ -217,6 +218,7 @@ def test_of_a_hinge_in_pieces_the_longer_marks_count_and_are_named(tmp_path: Pat
     assert abs(joint.rest_angle) == pytest.approx(np.pi / 2)
 
 
+@pytest.mark.slow
 def test_scribbles_are_refused_before_all_their_crossings_are_found(tmp_path: Path) -> None:
     random = np.random.default_rng(2)
     data = {

@@ -273,6 +273,7 @@ def test_creases_at_an_angle_on_two_sides_of_a_window_hold_their_facets(tmp_path
     assert counts(sheet) == (1, 0)
 
 
+@pytest.mark.slow
 def test_the_fixed_facet_is_in_the_middle_named_or_pointed_at(tmp_path: Path) -> None:
     def fixed(**options: Any) -> list[str]:
         made = read(tmp_path, corpus.miura(5, 5, faces=True), **options)

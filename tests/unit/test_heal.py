@@ -272,6 +272,7 @@ def test_lines_over_one_another_in_a_heap_are_refused_before_memory_is_full(
         healed(heap, HEAL)
 
 
+@pytest.mark.slow
 def test_lines_traced_twice_are_counted_once() -> None:
     """They are one, where they are as near as round-off; their crossings would be four times as many."""
     ways = [line((k, -1), (k, 200)) for k in range(160)] + [line((-1, k), (200, k)) for k in range(160)]

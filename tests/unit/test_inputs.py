@@ -89,6 +89,7 @@ def test_a_base_told_place_speed_and_acceleration_is_there_and_its_acceleration_
     assert set(moved.inputs) == set(inputs)
 
 
+@pytest.mark.slow
 @needs_cc
 def test_three_cross_checks_agree_on_inputs() -> None:
     """With defaults that are not zero: Newton and Euler read the expressions by a parser of their own."""

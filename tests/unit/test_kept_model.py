@@ -108,6 +108,7 @@ def test_a_scene_that_follows_from_a_parameter_does() -> None:
         assert kept.scene.angles == {"knee": e1 / 10}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["four_bar", "flapping_wing"])
 @settings(deadline=None, max_examples=10)
 @given(data=st.data())

@@ -14,6 +14,7 @@ from tests.support.quick import tries
 FILES = [make(seed) for seed in range(tries(30)) for make in (fold_file, svg_file)]
 
 
+@pytest.mark.slow
 def test_patterns_of_other_programs_are_sheets(tmp_path: Path) -> None:
     refused = []
     for name, text in FILES:

@@ -140,6 +140,7 @@ def drawn(draw: st.DrawFn) -> Design:
     )
 
 
+@pytest.mark.slow
 @settings(
     max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much]
 )

@@ -98,6 +98,7 @@ def test_a_folder_goes_on_with_other_workers(tmp_path) -> None:  # type: ignore[
     assert [t.point for t in again.problem.trials] == [t.point for t in alone.problem.trials]
 
 
+@pytest.mark.slow
 def test_runs_are_not_more_than_granted() -> None:
     best = search("slsqp", most=30).run(None, 2, alone=0.0)
     assert best.runs == 30
@@ -112,6 +113,7 @@ def test_what_cannot_travel_is_the_work_of_one() -> None:
     assert of.workers(1) == 1
 
 
+@pytest.mark.slow
 def test_functions_that_fail_are_trials_wherever_they_ran() -> None:
     of = search_of(studied.rod, VARY, studied.broken, run=RUN).asked("slsqp", None, 1, 0, 200)
     with pytest.raises(lamc.SimulationError, match=r"error \(\d+\): ZeroDivisionError: of the user's"):

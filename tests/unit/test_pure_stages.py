@@ -61,6 +61,7 @@ def test_programs_do_not_depend_on_what_was_read_of_the_equations(path: Path) ->
     assert lower(equations, energy_balance=True).digest == with_balance
 
 
+@pytest.mark.slow
 def test_what_is_read_does_not_depend_on_the_order_of_reading() -> None:
     texts, path = set(), next(path for path in EXAMPLES if path.stem == "four_bar")
     loops = count_loops(plan(_mechanism(path)))

@@ -135,6 +135,7 @@ def test_sanitizers_find_nothing_and_slices_do_not_matter(name: str, method: str
     assert output_of(tmp_path / "try").split() == ["0", "1", "1"]
 
 
+@pytest.mark.slow
 @needs_cc
 def test_its_c_has_no_warnings(tmp_path: Path) -> None:
     tree = made(tmp_path, "joint_limits", "AUTO")

@@ -159,6 +159,7 @@ def test_a_sheet_in_two_pieces_is_told_with_their_number() -> None:
         made(text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("size", "limits", "told"),
     [

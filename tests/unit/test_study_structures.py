@@ -16,6 +16,7 @@ FAST = RunOptions(t_end=0.02, rtol=1e-6, atol=1e-9, rows=5)
 MEASURE = {"end": "last(hip_0)"}
 
 
+@pytest.mark.slow
 def test_points_of_one_topology_share_a_number_and_what_changed_is_told(tmp_path: Path) -> None:
     study = study_of(studied.hanging, {"length": [0.2, 0.3], "count": [1, 2, 3, 1.5]}, MEASURE, run=FAST)
     tables = [study.run(tmp_path / str(workers), workers, alone=0.0) for workers in (1, 2)]

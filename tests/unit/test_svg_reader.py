@@ -512,6 +512,7 @@ BOMBS = {
 }
 
 
+@pytest.mark.quick("10-curves", "10-close_numbers", "10-edges", "10-rules")
 @pytest.mark.parametrize("bomb", BOMBS)
 @pytest.mark.parametrize("share", [10, pytest.param(1, marks=pytest.mark.campaign)])
 def test_files_beyond_a_limit_are_refused_soon_with_its_name(share: int, bomb: str) -> None:
@@ -570,6 +571,7 @@ BASE = svg_corpus.svg(fold_corpus.miura(2, 1), head=svg_corpus.ADOBE).replace(
 )
 
 
+@pytest.mark.slow
 @FEW
 @given(data=st.data())
 def test_any_change_of_a_file_is_a_drawing_or_an_error(tmp_path: Path, data: st.DataObject) -> None:

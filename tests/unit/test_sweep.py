@@ -53,6 +53,7 @@ def test_a_grid_is_what_single_runs_give():
     assert float(point["end"]) == result.angle("hip")[-1]
 
 
+@pytest.mark.slow
 def test_the_table_does_not_depend_on_processes(tmp_path):
     whole = study({"length": "0.1:0.4:7", "hip.stiffness": "1e-3:1e-1:3", "drive": [0.0, "1 N*mm"]})
     one, *others = (

@@ -92,6 +92,7 @@ def read_together(shared: lamc.Result, alone: dict[str, Any]) -> None:
     assert all(same(each, alone) for each in at_once([lambda: told(shared)] * THREADS))
 
 
+@pytest.mark.quick("limit_stop", "four_bar")
 def test_threads_that_run_one_simulator_get_its_numbers(simulator: lamc.Simulator) -> None:
     alone = run(simulator)
     fresh = lamc.compile(simulator.mechanism, simulator.scene)  # nothing made when it was first asked for

@@ -48,6 +48,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Program, SourceTree]
     return sources_of(equations_of(mechanism, effects_of(mechanism, Scene())))
 
 
+@pytest.mark.slow
 def test_steps_around_a_long_cycle_become_kernels(made: tuple[Program, SourceTree]) -> None:
     """Of 40 creases around a hole no two cycles are alike, as there is one. Most of it is the same again and again; the
     first steps, which have zeros, and what is done once are written out. Of larger holes gcc takes seconds for all."""
@@ -62,12 +63,14 @@ def test_steps_around_a_long_cycle_become_kernels(made: tuple[Program, SourceTre
     assert written < 0.25 * len(function.statements)
 
 
+@pytest.mark.slow
 @needs_cc
 def test_its_c_agrees_with_independent_cross_checks(tmp_path: Path) -> None:
     report = check(lamc.compile(ring(tmp_path)), states=4, t_end=0.01)
     assert report.passed, str(report)
 
 
+@pytest.mark.slow
 @needs_cc
 def test_no_name_is_taken_for_c_where_functions_stand_apart(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -79,6 +82,7 @@ def test_no_name_is_taken_for_c_where_functions_stand_apart(
     assert sim.run(1e-3).success
 
 
+@pytest.mark.slow
 @needs_cc
 def test_functions_are_compiled_once_for_branches_of_two_ranks(
     made: tuple[Program, SourceTree], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -21,6 +21,10 @@ LONGEST_STEP = 0.5  # rad; lines of rotation are straight no farther
 MAX_ITERATIONS = 60
 FRUITLESS = 8  # steps of many loops that fit badly and do not come closer by half: weak directions come and go by turns
 FEW_ITERATIONS = 8  # of damped ones
+# Steps of many loops along directions so weak that they are damped: of so small a residual each leaves most, and sixty
+# of them would not come to closure. So many of them in turn are the last.
+CREEPING, LEAVES, CREEPS = 1e-7, 0.85, 3
+ASTRAY = 3  # steps in turn that end beyond where the place may be: it does not come back
 STILL = 1e-10  # rad: a step that leaves open what it should close is the last, if it is as short
 NEAREST, NEARER, ARRIVED = (
     40,
@@ -37,6 +41,7 @@ def settle(
     nullity: int | None = None,
     enough: float = CLOSED,
     still: float = STILL,
+    reach: float = np.inf,
 ) -> tuple[Array, float]:
     """Gauss-Newton from `angles` (n,) on those that are `free` (n,) bool, by least squares and least change.
 
@@ -44,10 +49,10 @@ def settle(
     brought as near to closure as their motion allows, instead of to the one place where they close. Or
     else so many of the weakest, `nullity`, of what is free.
     enough: of the largest residual; from there on a step that does not halve it is the last. still: rad, likewise of
-    steps that are as short.
+    steps that are as short. reach: rad; who does not want what is farther from `angles` does not wait for it.
     Returns the place reached, and its largest residual, rad or parts of lengths.
     """
-    angles = angles.copy()
+    begun, angles = angles, angles.copy()
     columns = np.arange(len(angles)) if free is None else np.flatnonzero(free)
     residual, linear = geometry.closure(angles)
     error = float(np.abs(residual).max(initial=0.0))
@@ -55,7 +60,7 @@ def settle(
     # Of very large loops that fit badly, steps are damped, and weak directions creep.
     damped = cutoff > DAMPING and nullity is None and linear.is_very_large
     fits_badly = (cutoff > DAMPING or nullity is not None) and not linear.is_small
-    least, shortest, fruitless = error, np.inf, 0
+    least, shortest, fruitless, creeps, astray = error, np.inf, 0, 0, 0
     for _ in range((FEW_ITERATIONS if damped else MAX_ITERATIONS) if len(columns) else 0):
         if error <= 1e-2 * CLOSED or (fits_badly and fruitless >= FRUITLESS):
             break
@@ -71,6 +76,10 @@ def settle(
         residual, linear = geometry.closure(angles)
         before, error = error, float(np.abs(residual).max(initial=0.0))
         if error > 0.5 * before and (error <= enough or longest < still):
+            break
+        creeps = creeps + 1 if LEAVES * before < error < CREEPING and not linear.is_small else 0
+        astray = astray + 1 if np.abs(angles - begun).max() > reach else 0
+        if creeps == CREEPS or astray == ASTRAY:
             break
         fruitless = 0 if error < 0.5 * least or longest < 0.5 * shortest else fruitless + 1
         if not fruitless:

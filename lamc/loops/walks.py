@@ -92,8 +92,11 @@ def _walk(
         lead = int(np.argmax(np.abs(tangent)))
         ahead = tangent * (step / abs(tangent[lead]))
         free = np.arange(len(angles)) != lead
-        following, error = settle(geometry, angles + ahead, free, max(cutoff, SOLVE), across, still=still)
-        if error > open_most or np.abs(following - angles - ahead).max() > BENT * step:
+        reach = BENT * step
+        following, error = settle(
+            geometry, angles + ahead, free, max(cutoff, SOLVE), across, still=still, reach=reach
+        )
+        if error > open_most or np.abs(following - angles - ahead).max() > reach:
             break
         linear = geometry.linear(following)
         motions = linear.free(max(cutoff, EXACT)) if nullity is None else linear.weak[1][:nullity]

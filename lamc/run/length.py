@@ -5,7 +5,7 @@ looks at a clock, so that a run ends alike on every machine.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -42,6 +42,10 @@ LOOSE_ATOL = LOOSE * ATOL / RTOL
 TRIAL = 0.25  # of the work: what is seen of both tolerances before one of them has all of it
 _BOTH = 2.0 * TRIAL / (1.0 + 2.0 * TRIAL)  # of all work, when both have been seen
 _FIRST = 0.5 * _BOTH
+# What has turned by less, rad, in less than this part of the time, and has come by the second half of its steps to no
+# more than so many times what it came to by the first, is stuck next to a singular position: its steps shrink, and all
+# of the work would show no more than a part of it does.
+STUCK, SOON, GROWS = 5e-3, 1e-3, 1.5
 _PATIENCE = 5  # times the counted steps: of small loops, which are not stuck after as many, 20 s of work
 
 
@@ -74,46 +78,65 @@ class Length:
         steps = max(self.steps, _ROWS) if has_work else self.steps
         arguments |= {"max_steps": steps, "until_folded": self.until_folded, "max_work": self.work}
 
-        def run(**changes: Any) -> Result:
+        def run(rows: int = rows, **changes: Any) -> Result:
             return simulator.run(self.t_end, t_eval=_even(self.t_end, rows), **arguments | changes)
 
         tries_both = has_work and self.work is not None and not _says_how_exact(arguments)
-        result, changes = self._at_best(run, arguments.get("progress")) if tries_both else (run(), {})
+        made = self._at_best(run, rows, arguments.get("progress")) if tries_both else _Made(run())
+        result = made.result
         if result.status == Status.CANCELLED:
             return Ran(result, "")
-        arguments |= changes
-        if rows and (result.status == Status.FOLDED or (result.status == Status.STEP_LIMIT and self.is_own)):
-            again = arguments | {"progress": None}
-            result = simulator.run(self.t_end, t_eval=_even(float(result.t[-1]), rows), **again)
-        return Ran(result, self._remark(simulator, result, is_looser=bool(changes)))
+        is_short = result.status == Status.FOLDED or (result.status == Status.STEP_LIMIT and self.is_own)
+        if rows and (result.success if made.by_step else is_short):
+            again = arguments | made.changes | {"progress": None}
+            end = float(result.t[-1]) if is_short else self.t_end
+            # Rows between steps are settled, which next to singular positions is more work than steps are.
+            few = result.status == Status.STEP_LIMIT and _tried(result) <= rows
+            result = simulator.run(self.t_end, t_eval=None if few else _even(end, rows), **again)
+        return Ran(result, self._remark(simulator, replace(made, result=result)))
 
-    def _at_best(self, run: Callable[..., Result], progress: Part | None) -> tuple[Result, dict[str, float]]:
+    def _at_best(self, run: Callable[..., Result], rows: int, progress: Part | None) -> "_Made":
         """The run of this work at the usual tolerance or, where that does not come to its end and gets not nearly as
-        far, at a looser one; and what was changed for it. A part of the work tells which."""
+        far, at a looser one. A part of the work tells which, and is all that is done of what is stuck."""
         assert self.work is not None
-        trial, looser = TRIAL * self.work, {"rtol": LOOSE, "atol": LOOSE_ATOL}
-        exact = run(max_work=trial, progress=_share(progress, 0.0, _FIRST))
+        trial, looser = {"max_work": TRIAL * self.work}, {"rtol": LOOSE, "atol": LOOSE_ATOL}
+        exact = run(progress=_share(progress, 0.0, _FIRST), **trial)
         if exact.status != Status.STEP_LIMIT:
-            return exact, {}
+            return _Made(exact)
         farther = _interruptible(
-            exact, lambda: run(max_work=trial, progress=_share(progress, _FIRST, _BOTH), **looser)
+            exact, lambda: run(progress=_share(progress, _FIRST, _BOTH), **trial, **looser)
         )
         if farther.status == Status.CANCELLED:
-            return farther, {}
+            return _Made(farther)
         rest = _share(progress, _BOTH, 1.0)
         if farther.success:  # as exact as ever, if all of the work is enough for that
             whole = _interruptible(farther, lambda: run(progress=rest))
-            return (whole, {}) if whole.success or whole.status == Status.CANCELLED else (farther, looser)
-        if farther.status == Status.STEP_LIMIT and farther.t[-1] > FARTHER * exact.t[-1]:
-            farther = _interruptible(farther, lambda: run(progress=rest, **looser))
+            is_better = whole.success or whole.status == Status.CANCELLED
+            return _Made(whole) if is_better else _Made(farther, looser)
+        gets_farther = farther.status == Status.STEP_LIMIT and farther.t[-1] > FARTHER * exact.t[-1]
+        seen, changes = (farther, looser) if gets_farther else (exact, {})
+        if _turned(seen) < STUCK and seen.t[-1] < SOON * self.t_end:
+            steps = _interruptible(seen, lambda: run(0, progress=None, **trial, **changes)) if rows else seen
+            if steps.status == Status.CANCELLED or steps.t[-1] < GROWS * steps.t[len(steps.t) // 2]:
+                return _Made(steps, changes, by_step=True, is_stuck=True)
+        by_step = bool(rows) and self._has_few_steps(seen, rows)
+        shown = 0 if by_step else rows
+        if gets_farther:
+            farther = _interruptible(farther, lambda: run(shown, progress=rest, **looser))
             if farther.success or farther.status in (Status.STEP_LIMIT, Status.CANCELLED):
-                return farther, looser
+                return _Made(farther, looser, by_step)
             rest = None  # what is looser came apart
-        return _interruptible(exact, lambda: run(progress=rest)), {}
+        return _Made(_interruptible(exact, lambda: run(shown, progress=rest)), by_step=by_step)
 
-    def _remark(self, simulator: Simulator, result: Result, *, is_looser: bool) -> str:
+    def _has_few_steps(self, trial: Result, rows: int) -> bool:
+        """Whether all of the work will end a run as well, after fewer steps than rows are asked for: each is a row
+        then, and no second run has to be made for rows that show it."""
+        return float(trial.t[-1]) < TRIAL**2 * self.t_end and _tried(trial) < TRIAL * rows
+
+    def _remark(self, simulator: Simulator, made: "_Made") -> str:
         """Why a run of lamc's choice ended before 10 s, and the way out, and at what tolerance it ran, where that is
         another than usual; empty where neither is to be told, or it failed."""
+        result, is_looser = made.result, "rtol" in made.changes
         tolerance = (
             f"at rtol {LOOSE:g} it gets farther than at {RTOL:g} by as much work, and --rtol says another"
         )
@@ -129,12 +152,28 @@ class Length:
         if not self.is_own or result.status != Status.STEP_LIMIT or not result.stats.accepted:
             return ""
         of_tolerance = f"; {tolerance}" if is_looser else ", and a looser --rtol takes longer steps"
-        return (
-            f"nobody says how long it is to run, and {_tried(result)} steps of {len(simulator.joints)} hinges with "
-            f"{simulator.freedoms} freedoms are as much work as a run does by itself: it ends before "
-            f"{self.t_end:g} s; --t-end {self.t_end:g}, or a duration in its scene, runs to there however long that "
-            f"takes{of_tolerance}{_of_misfit(simulator)}"
+        steps = f"{_tried(result)} steps of {len(simulator.joints)} hinges with {simulator.freedoms} freedoms"
+        why = (
+            f"{steps} have turned them by {_turned(result):.1g} rad at most: it is stuck next to a singular position, "
+            "from where another branch of the scene, or angles of some hinges, may lead; it ends before"
+            if made.is_stuck
+            else f"{steps} are as much work as a run does by itself: it ends before"
         )
+        return (
+            f"nobody says how long it is to run, and {why} {self.t_end:g} s; --t-end {self.t_end:g}, or a duration in "
+            f"its scene, runs to there however long that takes{of_tolerance}{_of_misfit(simulator)}"
+        )
+
+
+@dataclass(frozen=True)
+class _Made:
+    """A run; what it was made with instead of what was asked for; whether each of its steps is a row; and whether it is
+    stuck."""
+
+    result: Result
+    changes: Mapping[str, float] = field(default_factory=dict)
+    by_step: bool = False
+    is_stuck: bool = False
 
 
 @dataclass(frozen=True)
@@ -200,6 +239,11 @@ def length_of(t_end: float | None, max_steps: int | None, simulator: Simulator) 
 
 def _says_how_exact(arguments: Mapping[str, Any]) -> bool:
     return any(arguments.get(name) is not None for name in ("rtol", "atol", "accuracy"))
+
+
+def _turned(result: Result) -> float:
+    """How far a joint has turned at most, rad."""
+    return float(np.abs(result.q[-1] - result.q[0]).max(initial=0.0))
 
 
 def _tried(result: Result) -> int:

@@ -55,7 +55,8 @@ def gradients(problem: Problem, places: Array, edges: Edges, unknown: float = 0.
         offsets, values = _along(problem, places, edge, _two_sided(places[edge], COARSE))
         if len(offsets) >= 2:
             found[row] = _weights(offsets, 1) @ values
-    return found[:, 0], found[:, 1:].T
+    # Each by itself in memory: SLSQP of scipy 1.17 reads a column of a table as if its numbers were side by side.
+    return found[:, 0].copy(), found[:, 1:].T.copy()
 
 
 def _backwards(problem: Problem, places: Array, edges: Edges) -> tuple[Array, Array] | None:
@@ -67,7 +68,7 @@ def _backwards(problem: Problem, places: Array, edges: Edges) -> tuple[Array, Ar
     spans = [problem.space.variables[e].slope(float(places[e])) for e in edges]
     found = slopes_at[:, edges] * np.array(spans)
     of_cost = found[0] * (2.0 * trial.goals[0] if problem.is_rooted(trial) else 1.0)
-    return of_cost / problem.size, found[1:] / problem.sizes[:, None]
+    return of_cost / problem.size, np.ascontiguousarray(found[1:] / problem.sizes[:, None])
 
 
 def jacobian(problem: Problem, places: Array, edges: Edges) -> Array:

@@ -135,11 +135,77 @@ def test_what_comes_to_its_end_by_all_of_the_work_is_exact(large: lamc.Simulator
 
 
 def test_rows_show_what_work_ended(large: lamc.Simulator) -> None:
-    """Rows over 10 s would have one of it."""
-    length = Length(10.0, 4000, is_own=True, work=3e6)
-    each, even = (length.run(large, rows, rtol=1e-9).result for rows in (0, 51))
-    assert len(even.t) in (51, 52)
+    """Rows over 10 s would have one of it. Where there are fewer steps than rows were asked for, they are the rows."""
+    length = Length(10.0, 4000, is_own=True, work=12e6)
+    each, even, few = (length.run(large, rows, rtol=1e-9).result for rows in (0, 3, 1001))
+    assert 4 < each.stats.accepted < 1001
+    assert len(even.t) in (3, 4)
     assert even.t[-1] == each.t[-1]
+    assert (few.t == each.t).all()
+
+
+class Counted:
+    """A simulator that counts its runs."""
+
+    def __init__(self, simulator: lamc.Simulator) -> None:
+        self.simulator, self.runs = simulator, 0
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.simulator, name)
+
+    def run(self, *given: Any, **named: Any) -> Any:
+        self.runs += 1
+        return self.simulator.run(*given, **named)
+
+
+def test_what_few_steps_end_has_them_as_rows_and_is_run_once(
+    large: lamc.Simulator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rows between steps are settled, each with more evaluations than a step near a singular position takes."""
+    monkeypatch.setattr("lamc.run.length.STUCK", 0.0)  # it need not be seen whether it is
+    counted = Counted(large)
+    length = Length(10.0, 4000, is_own=True, work=12e6)
+    result = length.run(counted, 1001).result  # type: ignore[arg-type]
+    assert result.status == Status.STEP_LIMIT
+    assert counted.runs == 3  # a part of the work at both tolerances, and all of it at one
+    assert len(result.t) == result.stats.accepted + 1
+    alone = large.run(10.0, max_steps=4000, max_work=12e6, rtol=result.stats.rtol, atol=result.stats.atol)
+    assert result.t[-1] == alone.t[-1]
+
+
+def test_rows_are_even_where_all_of_the_work_is_enough(large: lamc.Simulator) -> None:
+    """Though a part of it was not, and its steps were few."""
+    exact = large.run(10.0, max_work=TRIAL * 1e8)
+    end = 1.05 * float(exact.t[-1])
+    result = Length(end, 4000, is_own=True, work=1e8).run(large, 301).result
+    assert result.status == Status.REACHED_END
+    assert result.t == pytest.approx(np.linspace(0.0, end, 301))
+
+
+@pytest.mark.parametrize("rows", [0, 1001])
+def test_what_is_stuck_ends_after_a_part_of_the_work(
+    large: lamc.Simulator, rows: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("lamc.run.length.GROWS", 1e9)
+    length = Length(10.0, 4000, is_own=True, work=12e6)
+    ran = length.run(large, rows)
+    part = large.run(
+        10.0, max_steps=4000, max_work=TRIAL * 12e6, rtol=ran.result.stats.rtol, atol=ran.result.stats.atol
+    )
+    assert ran.result.status == Status.STEP_LIMIT
+    assert (ran.result.t == part.t).all()  # its steps
+    turned = np.abs(part.q[-1] - part.q[0]).max()
+    assert (
+        f"have turned them by {turned:.1g} rad at most: it is stuck next to a singular position" in ran.remark
+    )
+    assert "--t-end 10" in ran.remark
+
+
+def test_what_speeds_up_is_not_stuck(large: lamc.Simulator) -> None:
+    """Steps from rest begin short and grow."""
+    ran = Length(10.0, 4000, is_own=True, work=12e6).run(large, 0)
+    assert "stuck" not in ran.remark
+    assert "as much work as a run does by itself" in ran.remark
 
 
 @pytest.mark.parametrize(("interrupted", "rtol", "atol"), [(2, RTOL, ATOL), (3, LOOSE, LOOSE_ATOL)])

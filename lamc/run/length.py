@@ -171,7 +171,7 @@ class _Made:
     stuck."""
 
     result: Result
-    changes: Mapping[str, float] = field(default_factory=dict)
+    changes: dict[str, float] = field(default_factory=dict)
     by_step: bool = False
     is_stuck: bool = False
 

@@ -121,5 +121,32 @@ def test_pinned_beam_buckles_at_eulers_loads(count: int, sign: int) -> None:
     factors, _ = stability(stiffness, geometric, 3, factor, sign)
     # Order four again; π² of the first is exact, 3π h = 0.47 of the third gives 6e-5 with 20 elements.
     assert factors == pytest.approx(sign * np.pi**2 * np.array([1, 4, 9]), rel=1e-4 if count == 20 else 2e-7)
-    none, _ = stability(stiffness, geometric, 3, factor, -sign) if count == 20 else (np.empty(0), None)
+    solved = 0
+
+    def counted(matrix: Any) -> Callable[[np.ndarray], np.ndarray]:
+        solve = factor(matrix)
+
+        def counting(b: np.ndarray) -> np.ndarray:
+            nonlocal solved
+            solved += 1
+            return solve(b)
+
+        return counting
+
+    none, vectors = stability(stiffness, geometric, 3, counted, -sign)
     assert len(none) == 0
+    assert vectors.shape[1] == 0
+    # Lanczos waited for round-off to converge, 100 000 solutions long.
+    assert solved < 5000
+
+
+def test_factors_of_the_other_sign_are_found_though_they_are_many_times_larger() -> None:
+    """Two beams by themselves, one pressed and the other pulled by a thousandth of it."""
+    K, _, G = beam(60)
+    keep = np.setdiff1d(np.arange(K.shape[0]), [0, K.shape[0] - 2])
+    K, G = (A.toarray()[np.ix_(keep, keep)] for A in (K, G))
+    stiffness = sparse.csc_array(block_diag(K, K))
+    geometric = sparse.csc_array(block_diag(G, -1e-3 * G))
+    for sign, least in ((1, np.pi**2), (-1, 1e3 * np.pi**2)):
+        factors, _ = stability(stiffness, geometric, 2, factor, sign)
+        assert factors == pytest.approx(sign * least * np.array([1, 4]), rel=1e-6)

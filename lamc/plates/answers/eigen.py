@@ -18,7 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sparse
-from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+from scipy.sparse.linalg import ArpackError, ArpackNoConvergence, LinearOperator, eigsh, splu
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import SimulationError
@@ -34,6 +34,10 @@ _EXACT = 1e-11  # of the residual, relative; the values' own error is its square
 _ROUGH, _FEW = 1e-3, 8  # of a look for values that were missed: residual, and vectors of the basis
 _SAME = 1e-9  # relative; values nearer to each other than this are one
 _SEED = 20_040_229  # any, but always the same
+# Rounds of Lanczos in which buckling factors are found, where there are as many: some ten are usual.
+_ROUNDS = 100
+# Of the largest inverse factor: those of the other sign that are less are round-off of the solutions, and none.
+_NEGLIGIBLE = 1e-6
 
 
 def rigid_basis(motions: Array, mass: Matrix) -> tuple[Array, list[int]]:
@@ -174,7 +178,8 @@ def stability(
 ) -> tuple[Array, Array]:
     """The `count` factors λ of that sign nearest to zero where K + λ G is singular, and vectors (n, count), φᵀKφ = 1.
 
-    K is positive definite. Fewer come back where there are fewer.
+    K is positive definite. Fewer come back where there are fewer; where they are hard to find, none that is a million
+    times the least of either sign.
     """
     size = stiffness.shape[0]
     if size <= max(DENSE, 4 * count):
@@ -185,11 +190,38 @@ def stability(
         solve = factor(stiffness)
         start = solve(np.random.default_rng(_SEED).standard_normal(size))
         operator = LinearOperator((size, size), matvec=solve, dtype=float)
-        with _lanczos_errors("buckling factors"):
-            inverses, vectors = eigsh(
-                -sign * geometric, count, stiffness, Minv=operator, which="LA", v0=start
+
+        def found(count: int, rounds: int | None = None, which: str = "LA") -> tuple[Array, Array]:
+            return eigsh(  # type: ignore[no-any-return]
+                -sign * geometric, count, stiffness, Minv=operator, which=which, v0=start, maxiter=rounds
             )
+
+        with _lanczos_errors("buckling factors"):
+            try:
+                inverses, vectors = found(count, _ROUNDS)
+            except ArpackNoConvergence:
+                largest = float(np.abs(found(1, which="LM")[0][0]))
+                count = min(count, _pressed(stiffness, geometric, sign / (_NEGLIGIBLE * largest)))
+                if not count:
+                    return np.empty(0), np.empty((size, 0))
+                inverses, vectors = found(count)
         order = np.argsort(-inverses)
         inverses, vectors = inverses[order], vectors[:, order]
     keep = inverses > 1e-10 * np.abs(inverses).max(initial=0.0)
     return sign / inverses[keep], vectors[:, keep]
+
+
+def _pressed(stiffness: Matrix, geometric: Matrix, factor: float) -> int:
+    """How many factors of that sign are less than `factor`: the negative pivots of K + λ G, by J. J. Sylvester's law of
+    inertia, in one elimination without pivoting."""
+    options = {"SymmetricMode": True}
+    try:
+        pivots = splu(
+            sparse.csc_array(stiffness + factor * geometric),
+            permc_spec="MMD_AT_PLUS_A",
+            options=options,
+            diag_pivot_thresh=0.0,
+        ).U.diagonal()
+    except RuntimeError:  # a pivot is nil: some factor is that one
+        return 1
+    return int(np.count_nonzero(pivots < 0.0))

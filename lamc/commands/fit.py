@@ -222,6 +222,10 @@ def scene_text(answer: Fit, name: str) -> str:
     """A scene file with the fitted numbers, for `lamc run --scene`."""
     lines = [f"# Numbers of {name!r} that `lamc fit` found; dimensions of the drawing go with --set."]
     lines += [f"#   {each} = {value!r}" for each, value in answer.dimensions.items()]
+    if len(answer.starts) > 1:  # one scene has one start
+        for recording, of_kinds in answer.starts.items():
+            for kind, unit, values in zip(("angles", "rates"), ("rad", "rad/s"), of_kinds, strict=True):
+                lines += [f"# {recording} starts at {kind}.{j} = {v!r} {unit}" for j, v in values.items()]
     lines += [f"# Not told by these data: {each}" for each in answer.unidentifiable]
     safe = ["".join(c if c.isprintable() else " " for c in line) for line in lines]
     return "\n".join(safe) + "\n" + dump({"kind": "scene", **scene_data(answer.scene)})

@@ -148,11 +148,21 @@ class Fit:
 
     @property
     def scene(self) -> Scene:
-        """The scene with fitted parameters: `lamc.compile(fit.design, fit.scene)`."""
+        """The scene with fitted parameters: `lamc.compile(fit.design, fit.scene)`. Of one recording alone, it starts as
+        that does; of several, as ever, and `starts` has theirs."""
         scene = self.simulator.scene
+        angles, rates = next(iter(self.starts.values())) if len(self.setting.runs) == 1 else ({}, {})
         return replace(
-            scene, parameters=ReadOnlyDict({**scene.parameters, **self.setting.parameters, **self.parameters})
+            scene,
+            parameters=ReadOnlyDict({**scene.parameters, **self.setting.parameters, **self.parameters}),
+            angles=ReadOnlyDict({**scene.angles, **angles}),
+            rates=ReadOnlyDict({**scene.rates, **rates}),
         )
+
+    @property
+    def starts(self) -> dict[str, tuple[dict[str, float], dict[str, float]]]:
+        """By recording: angles, rad, and rates, rad/s, of joints at its start, found or given, over the scene's."""
+        return {run.name: self.predictor.start(run, self.values) for run in self.setting.runs}
 
     @lazy
     def result(self) -> Result:

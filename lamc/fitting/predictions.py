@@ -123,7 +123,7 @@ class Predictor:
             **{u.key: at[u.name] for u in unknowns if u.kind == "parameter"},
             **run.parameters,
         }
-        angles, rates = self._start(run, at)
+        angles, rates = self.start(run, at)
         y0 = start_of(simulator, angles, rates)
         times = run.times - at.get(f"{run.name}.delay", run.numbers[f"{run.name}.delay"])
         times = np.maximum(times, run.begin)
@@ -156,7 +156,7 @@ class Predictor:
             {u.name: at[u.name] for u in setting.unknowns.all if u.kind == "dimension"}
         )
 
-    def _start(self, run: Run, at: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
+    def start(self, run: Run, at: Mapping[str, float]) -> tuple[dict[str, float], dict[str, float]]:
         """Angles and rates of a recording's start, over the scene's."""
         angles, rates = dict(run.angles), dict(run.rates)
         for u in self.setting.unknowns.all:
@@ -170,7 +170,7 @@ class Predictor:
         size = abs(value) or each.size
         weights, offsets = stencil_within(value, size, each.free.low, each.free.high, fine=fine)
         simulators = tuple(self._simulator({**at, each.name: value + offset}) for offset in offsets)
-        starts = [start_of(simulator, *self._start(run, at)) for simulator in simulators]
+        starts = [start_of(simulator, *self.start(run, at)) for simulator in simulators]
         return Drawn(weights, simulators, np.stack(starts))
 
     def _seen(

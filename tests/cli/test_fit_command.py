@@ -172,6 +172,26 @@ def test_an_empty_column_is_left_out_with_a_word(recwarn: pytest.WarningsRecorde
     assert not [w for w in recwarn if issubclass(w.category, RuntimeWarning)]
 
 
+def test_the_scene_starts_as_its_one_recording_does() -> None:
+    """The start that was found had been left out, and what the summary says to run moved otherwise."""
+    start = ("--free", "angles.h1=-2:2", "--no-pictures", "--out")
+    said = call(*FIT, *start, "one", "--data", "run1.csv", "--json")
+    assert said.exit_code == 0, said.output
+    found = {each["name"]: each["value"] for each in json.loads(said.stdout)["numbers"]}["run1.angles.h1"]
+    assert found == pytest.approx(0.5, abs=0.01)  # noise of 0.2 degrees
+    assert (
+        call("run", "rod.yaml", "--scene", "one/scene.yaml", "--out", "run", "--no-pictures").exit_code == 0
+    )
+    assert np.load("run/results.npz")["angles"][0, 0] == pytest.approx(found, rel=1e-12)
+    both = call(*FIT, *start, "two", "--data", "run1.csv", "--data", "run2.csv")
+    assert both.exit_code == 0, both.output
+    remarks = Path("two/scene.yaml").read_text(encoding="utf-8")
+    starts = dict(re.findall(r"^# (run\d) starts at angles\.h1 = (\S+) rad$", remarks, re.MULTILINE))
+    assert float(starts["run1"]) == pytest.approx(0.5, abs=0.01)
+    assert float(starts["run2"]) == pytest.approx(-0.8, abs=0.01)
+    assert "angles:" not in remarks
+
+
 def test_the_summary_names_what_was_found() -> None:
     said = call(*FIT, "--data", "run1.csv", "--angle", "h1=0.5", "--no-pictures")
     assert "95 % interval" in said.stdout

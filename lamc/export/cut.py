@@ -16,6 +16,7 @@ import shapely
 from shapely import STRtree
 from shapely.geometry import LineString, MultiPolygon, Polygon
 
+from lamc.basics.brief import counted
 from lamc.basics.errors import ExportError, UnsupportedError
 from lamc.codegen.names import identifier
 from lamc.design.linking import millimetres
@@ -56,8 +57,8 @@ def told(files: Mapping[str, bytes]) -> list[str]:
     """What the command line prints of an export: areas, masses, how they compare, notes."""
     data = json.loads(files[REPORT])
     lines = [
-        f"{'layers' if k == 0 else '':<10}{each['layer']}: {each['parts']} parts, {1e6 * each['area']:.6g} mm2, "
-        f"{1e3 * each['mass']:.6g} g of {each['material']}"
+        f"{'layers' if k == 0 else '':<10}{each['layer']}: {counted(each['parts'], 'part')}, "
+        f"{1e6 * each['area']:.6g} mm2, {1e3 * each['mass']:.6g} g of {each['material']}"
         for k, each in enumerate(data["layers"])
     ]
     return [*lines, f"bodies    {data['comparison']}", *(f"note      {note}" for note in data["notes"])]

@@ -63,8 +63,10 @@ class Compared:
         """Of the column's variance what the model leaves, in words: none where what was recorded is at rest, as the
         model has it, and its variance that of noise."""
         k, share = self.columns.index(column), self.share[column]
-        stands = float(np.ptp(self.predicted[:, k])) < self.rms[column]
-        if np.isnan(share) or (stands and not _is_alike(likeness(self.measured[:, k]))):
+        left, measured = self.rms[column], self.measured[:, k]
+        stands = float(np.ptp(self.predicted[:, k])) < left
+        is_still = float(np.nanmax(measured) - np.nanmin(measured)) < left if np.isfinite(left) else False
+        if np.isnan(share) or (stands and (is_still or not _is_alike(likeness(measured)))):
             return "at rest"
         return f"{share:.2%}"
 

@@ -59,7 +59,7 @@ class Objective:
         try:
             found = self.predictions(inner, sloped=sloped, loosely=loosely)
         except DesignError as error:  # of a start, or a drawing, that cannot be
-            self.failures.append(error.message)
+            self.failures.append(f"{self._drawn(inner)}{error.message}")
             return None
         for measured, each in zip(self.measured, found, strict=True):
             good = np.isfinite(measured)
@@ -69,6 +69,18 @@ class Objective:
                 self.failures.append(each.message or "the run gives no finite numbers")
                 return None
         return found
+
+    def _drawn(self, inner: Array) -> str:
+        """Which drawing was tried, if dimensions are free: it is none of the user's, whom its fault may puzzle."""
+        unknowns = self.predictor.setting.unknowns
+        tried = [
+            f"{u.name} = {value:.6g} {u.unit}".rstrip()
+            for u, value in zip(unknowns.all, unknowns.values(inner), strict=True)
+            if u.kind == "dimension"
+        ]
+        if not tried:
+            return ""
+        return f"a drawing that was tried, at or next to {', '.join(tried)} (bound it by LOW:HIGH): "
 
     def residual(self, inner: Array, found: list[Prediction]) -> Array:
         """(N,), of predictions at a solver's vector."""

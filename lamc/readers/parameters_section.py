@@ -209,8 +209,8 @@ def _checked_name(key: ScalarNode) -> bool:
     name = key.text
     if _NAME.match(name) is None or len(name) > LONGEST_NAME:
         raise key.error(
-            f"a parameter is named {name[:60]!r}; a name is of letters, digits and _, begins with a letter, and has at "
-            f"most {LONGEST_NAME} characters"
+            f"a parameter is named {name[:60]!r}; a name is of letters a to z, digits and _, begins with a letter, and "
+            f"has at most {LONGEST_NAME} characters"
         )
     kinds = {
         "a function": FUNCTIONS,

@@ -150,7 +150,7 @@ class HingeModel(StrictModel):
     The joint's axis points from the start of a line to its end, and its angle is positive by the right hand.
     """
 
-    name: str | None = Field(None, description="of the joint; several lines count on: fold1, fold2")
+    name: str | None = Field(None, description="of the joint; several lines count on: fold_1, fold_2")
     line: tuple[Point, Point] | None = Field(
         None, description="the hinge line from start to end, [[x, y], [x, y]]"
     )

@@ -113,8 +113,8 @@ def check_name(name: object, *, of_effect: bool = False) -> None:
         return
     if not isinstance(name, str) or _NAME.match(name) is None or len(name) > LONGEST_NAME:
         raise DesignError(
-            f"an input is named {shown(name)}; a name is of letters, digits and _, begins with a letter, and has at "
-            f"most {LONGEST_NAME} characters"
+            f"an input is named {shown(name)}; a name is of letters a to z, digits and _, begins with a letter, and "
+            f"has at most {LONGEST_NAME} characters"
         )
     taken = _MEANS.get(name)
     if name in FUNCTIONS:

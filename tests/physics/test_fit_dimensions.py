@@ -7,6 +7,7 @@ import pytest
 
 import lamc
 from lamc.fitting.exact import Exact
+from lamc.fitting.objective import Objective
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import setting_of
 from lamc.fitting.simulators import Simulators
@@ -131,3 +132,32 @@ def test_a_drawing_of_another_structure_beside_is_told() -> None:
         for n in fit.notes
     )
     assert fit.derivatives == "differences of runs, where noted"
+
+
+PARTS = """
+units: mm
+parameters: {width: 20 mm}
+materials: {card: {density: 700, rigid: true}, film: {density: 1390, E1: 2.5 GPa, poisson: 0.34, flexible: true}}
+layers:
+  - {name: top, material: card, thickness: 1}
+  - {name: film, material: film, thickness: 0.05}
+  - {name: low, material: card, thickness: 1}
+shapes: [{rect: [-20, 0, 50, width]}, {cut: {circle: {center: [30, width/2], radius: 5}}}]
+hinges: [{name: knee, line: [[0, 0], [0, width]], gap: 1, stiffness: 1e-3, damping: 1e-6}]
+fixed: [{rect: [-20, 0, -10, width]}]
+"""
+
+
+def test_a_drawing_that_was_tried_and_falls_apart_is_told_from_the_users(tmp_path: Path) -> None:
+    """A hole wider than its link parts it: no fault of the drawing that is fitted."""
+    path = tmp_path / "parts.yaml"
+    path.write_text(PARTS, encoding="utf-8")
+    simulators = Simulators(lamc.load(path), None)
+    data = [lamc.Recording(T, {"knee": 0.1 * np.cos(T)})]
+    setting = setting_of(simulators, data, {"width": (0.005, 0.04)}, {})
+    objective = Objective(Predictor(setting, Exact()), [np.ones(1)])
+    assert objective.tried(np.array([0.02]), sloped=False) is not None
+    assert objective.tried(np.array([0.009]), sloped=False) is None
+    (said,) = objective.failures
+    assert said.startswith("a drawing that was tried, at or next to width = 0.009 m (bound it by LOW:HIGH): ")
+    assert "no path to the world" in said

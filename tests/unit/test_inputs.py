@@ -216,7 +216,7 @@ def test_an_expression_without_a_value_for_any_input_is_refused_when_it_is_made(
         ("lambda", "a word of Python"),
         ("z12", "a quantity of the staged equations"),
         ("M_0_1", "a quantity of the staged equations"),
-        ("h1.torque", "a name is of letters, digits and _"),
+        ("h1.torque", "a name is of letters a to z, digits and _"),
         ("1st", "begins with a letter"),
         ("_x", "begins with a letter"),
         ("ä", "a name is of letters"),

@@ -52,8 +52,8 @@ def optimum_summary(best: Best) -> str:
 
 
 def _flattest(best: Best) -> list[str]:
-    """The direction in which least is felt, of several."""
-    if len(best.curvature) < 2:
+    """The direction in which least is felt, of several; where something holds the optimum, its slope is felt, too."""
+    if len(best.curvature) < 2 or best.active:
         return []
     steep, flat = float(best.curvature[-1]), float(best.curvature[0])
     ratio = f"{steep / flat:.2g} times as flat as the steepest" if flat > 1e-12 * steep else "not felt at all"

@@ -223,7 +223,9 @@ def _points(names: tuple[str, ...], values: Array, how: Mapping[str, Any] = Mapp
 def _from_csv(path: Path, units: Mapping[str, str]) -> Points:
     data = read_bytes(path, _MOST_BYTES)
     try:
-        lines = csv.reader(io.StringIO(data.decode("utf-8-sig"), newline=""))
+        text = data.decode("utf-8-sig")
+        between = _separator(text)
+        lines = csv.reader(io.StringIO(text, newline=""), delimiter=between)
         rows = [(lines.line_num, row) for row in lines if any(cell.strip() for cell in row)]
     except (UnicodeDecodeError, csv.Error) as error:
         raise DesignError(f"this is no CSV in UTF-8: {error}", Place(str(path))) from error
@@ -244,7 +246,8 @@ def _from_csv(path: Path, units: Mapping[str, str]) -> Points:
     for k, (line, cells) in enumerate(rows[1:]):
         if len(cells) != len(names):
             raise DesignError(f"{len(cells)} values stand under {len(names)} names", Place(str(path), line))
-        for c, ((name, unit), cell) in enumerate(zip(heads, cells, strict=True)):
+        for c, ((name, unit), given) in enumerate(zip(heads, cells, strict=True)):
+            cell = given if between == "," else given.replace(",", ".")  # decimal commas
             bare = unit and not any(ch.isalpha() and ch not in "eE" for ch in cell)
             try:
                 values[k, c] = axis_of(name, f"{cell} {unit}" if bare else cell, units[name]).extremes[0]
@@ -253,10 +256,19 @@ def _from_csv(path: Path, units: Mapping[str, str]) -> Points:
     return _points(names, values)
 
 
+def _separator(text: str) -> str:
+    """What stands between the names of the first line: a comma, or a semicolon or tab where there are more of these."""
+    first = next((line for line in text.splitlines() if line.strip()), "")
+    return max(",;\t", key=first.count)
+
+
 def _head(cell: str) -> tuple[str, str]:
-    """Name and unit of "length (mm)"; the unit may be missing."""
-    name, bracket, unit = cell.strip().rpartition(" (")
-    return (name.strip(), unit.rstrip(") ")) if bracket and unit.endswith(")") else (cell.strip(), "")
+    """Name and unit of "length (mm)" or "length [mm]"; the unit may be missing."""
+    for left, right in ("()", "[]"):
+        name, bracket, unit = cell.strip().rpartition(f" {left}")
+        if bracket and unit.endswith(right):
+            return name.strip(), unit[:-1].strip()
+    return cell.strip(), ""
 
 
 def sample_words(text: str) -> tuple[str, int]:

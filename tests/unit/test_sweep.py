@@ -198,6 +198,12 @@ def test_points_come_from_a_file(tmp_path):
     found = given_points(path, units)
     assert found.names == ("length", "hip.stiffness")
     assert found.values == pytest.approx(np.array([[0.1, 1e-3], [0.2, 2e-3], [0.3, 3e-3]]), rel=1e-15)
+    for text in (
+        "length [mm];hip.stiffness\n100;1 N*mm/rad\n2e2;0,002\n",
+        "length [mm]\thip.stiffness [N*m/rad]\n100\t1e-3\n200\t2e-3\n",
+    ):
+        path.write_text(text)
+        assert given_points(path, units).values == pytest.approx(found.values[:2], rel=1e-15)
     for text, words in (
         ("length\n", "a line for each point"),
         ("lengh\n1\n", "points.csv:1: nothing that can be varied is named 'lengh'; did you mean 'length'?"),

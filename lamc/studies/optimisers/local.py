@@ -5,6 +5,7 @@ In: a problem, a place of the unit box. Out: the place at which they end. What t
 step back.
 """
 
+import warnings
 from collections.abc import Callable
 from contextlib import suppress
 
@@ -113,7 +114,9 @@ def _by_gradients(problem: Problem, start: Array, method: str, options: dict[str
         return gradients(problem, _placed(start, edges, x), edges)[0]
 
     ended = start
-    with suppress(_IdleError):
+    with suppress(_IdleError), warnings.catch_warnings():
+        # Of goals and constraints that are straight, whose second derivatives trust-constr finds nil.
+        warnings.filterwarnings("ignore", "delta_grad == 0.0", UserWarning)
         found = optimize.minimize(
             cost,
             start[edges],

@@ -222,6 +222,6 @@ def _pressed(stiffness: Matrix, geometric: Matrix, factor: float) -> int:
             options=options,
             diag_pivot_thresh=0.0,
         ).U.diagonal()
-    except RuntimeError:  # a pivot is nil: some factor is that one
-        return 1
+    except RuntimeError:  # a pivot is nil, and nobody knows how many are negative
+        return int(stiffness.shape[0])
     return int(np.count_nonzero(pivots < 0.0))

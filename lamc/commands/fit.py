@@ -226,6 +226,11 @@ def scene_text(answer: Fit, name: str) -> str:
         for recording, of_kinds in answer.starts.items():
             for kind, unit, values in zip(("angles", "rates"), ("rad", "rad/s"), of_kinds, strict=True):
                 lines += [f"# {recording} starts at {kind}.{j} = {v!r} {unit}" for j, v in values.items()]
+    lines += [
+        f"# {run.name} starts at {run.begin!r} s of its clock; a run by this scene starts at 0."
+        for run in answer.setting.runs
+        if run.begin
+    ]
     lines += [f"# Not told by these data: {each}" for each in answer.unidentifiable]
     safe = ["".join(c if c.isprintable() else " " for c in line) for line in lines]
     return "\n".join(safe) + "\n" + dump({"kind": "scene", **scene_data(answer.scene)})

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 _CORRELATED = 0.3  # of neighbouring rows, beyond which they are no noise, and intervals too narrow to believe
 _ROWS = 200  # a second, of results
+_ROUND_OFF = 1e-12  # of a column's largest number: what varies by less stands still
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,10 +64,11 @@ class Compared:
         """Of the column's variance what the model leaves, in words: none where what was recorded is at rest, as the
         model has it, and its variance that of noise."""
         k, share = self.columns.index(column), self.share[column]
-        left, measured = self.rms[column], self.measured[:, k]
-        stands = float(np.ptp(self.predicted[:, k])) < left
-        is_still = float(np.nanmax(measured) - np.nanmin(measured)) < left if np.isfinite(left) else False
-        if np.isnan(share) or (stands and (is_still or not _is_alike(likeness(measured)))):
+        measured = self.measured[:, k]
+        stands = float(np.ptp(self.predicted[:, k])) < self.rms[column]
+        least, most = float(np.nanmin(measured)), float(np.nanmax(measured))
+        is_still = np.isnan(share) or most - least <= _ROUND_OFF * max(abs(least), abs(most))
+        if is_still or (stands and not _is_alike(likeness(measured))):
             return "at rest"
         return f"{share:.2%}"
 
@@ -163,7 +165,8 @@ class Fit:
 
     @property
     def starts(self) -> dict[str, tuple[dict[str, float], dict[str, float]]]:
-        """By recording: angles, rad, and rates, rad/s, of joints at its start, found or given, over the scene's."""
+        """By recording: angles, rad, and rates, rad/s, of joints at its start, found or given, over the scene's. It is
+        at zero of its clock, or at its first row where all of the start was to be found."""
         return {run.name: self.predictor.start(run, self.values) for run in self.setting.runs}
 
     @lazy

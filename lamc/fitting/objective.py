@@ -59,7 +59,7 @@ class Objective:
         try:
             found = self.predictions(inner, sloped=sloped, loosely=loosely)
         except DesignError as error:  # of a start, or a drawing, that cannot be
-            self.failures.append(f"{self._drawn(inner)}{error.message}")
+            self.failures.append(f"{self._what_was_drawn(inner)}{error.message}")
             return None
         for measured, each in zip(self.measured, found, strict=True):
             good = np.isfinite(measured)
@@ -70,7 +70,7 @@ class Objective:
                 return None
         return found
 
-    def _drawn(self, inner: Array) -> str:
+    def _what_was_drawn(self, inner: Array) -> str:
         """Which drawing was tried, if dimensions are free: it is none of the user's, whom its fault may puzzle."""
         unknowns = self.predictor.setting.unknowns
         tried = [

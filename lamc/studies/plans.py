@@ -200,7 +200,7 @@ def given_points(given: object, units: Mapping[str, str]) -> Points:
     columns = []
     for name, values in given.items():
         _known(name, units)
-        columns.append([axis_of(name, each, units[name]).extremes[0] for each in values])
+        columns.append([_value(name, each, units[name]) for each in values])
     if len({len(column) for column in columns}) != 1 or not columns[0]:
         raise RequestError(
             f"lists of points have lengths {[len(c) for c in columns]}; they must be equal, and not 0"
@@ -247,13 +247,21 @@ def _from_csv(path: Path, units: Mapping[str, str]) -> Points:
         if len(cells) != len(names):
             raise DesignError(f"{len(cells)} values stand under {len(names)} names", Place(str(path), line))
         for c, ((name, unit), given) in enumerate(zip(heads, cells, strict=True)):
-            cell = given if between == "," else given.replace(",", ".")  # decimal commas
+            cell = given.replace(",", ".") if between == ";" else given  # decimal commas
             bare = unit and not any(ch.isalpha() and ch not in "eE" for ch in cell)
             try:
-                values[k, c] = axis_of(name, f"{cell} {unit}" if bare else cell, units[name]).extremes[0]
+                values[k, c] = _value(name, f"{cell} {unit}" if bare else cell, units[name])
             except RequestError as error:
                 raise DesignError(error.message, Place(str(path), line, c + 1)) from error
     return _points(names, values)
+
+
+def _value(name: str, given: object, unit: str) -> float:
+    """A single number. Raises RequestError for one that is none, and for several, such as 1,000 or 1:5."""
+    low, high = axis_of(name, given, unit).extremes
+    if low != high:
+        raise RequestError(f"{name!r} is {shown(given)}; a point has one number of each")
+    return float(low)
 
 
 def _separator(text: str) -> str:

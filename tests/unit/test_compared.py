@@ -19,6 +19,12 @@ SWING = 1.3 * np.cos(5.0 * T)  # 150 degrees from end to end
         (NOISE, np.zeros(len(T)), "at rest"),
         (NOISE, 1e-4 * SWING, "at rest"),
         (np.zeros(len(T)), np.zeros(len(T)), "at rest"),
+        (
+            np.full(len(T), 0.1) + 1e-17 * (T > 1.0),
+            np.full(len(T), 0.1 + 1e-6),
+            "at rest",
+        ),  # but for round-off
+        (SWING, np.full(len(T), 50.0), "2"),  # it swings, however far away the model stands
         (np.where(T < 1.0, SWING, np.nan), 0.01 * SWING, "105."),  # as much as no model, and its mean besides
     ],
 )

@@ -209,6 +209,10 @@ def test_points_come_from_a_file(tmp_path):
         ("lengh\n1\n", "points.csv:1: nothing that can be varied is named 'lengh'; did you mean 'length'?"),
         ("length\n1\n2,3\n", "points.csv:3: 2 values stand under 1 names"),
         ("length\n1\nx\n", "points.csv:3:1:"),
+        ("length (mm);hip.stiffness\n1.000,5;1\n", "points.csv:2:1:"),  # a thousand and a half, or one
+        ("length (mm)\thip.stiffness\n1,000\t1\n", "points.csv:2:1:"),  # a thousand, or one
+        ('length\n"0.1,0.2"\n', "points.csv:2:1: 'length' is '0.1,0.2'; a point has one number of each"),
+        ("length\n0.1:0.2:3\n", "points.csv:2:1: 'length' is '0.1:0.2:3'; a point has one number of each"),
         ("length,length\n1,2\n", "stands twice"),
     ):
         path.write_text(text)

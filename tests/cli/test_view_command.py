@@ -74,13 +74,6 @@ def test_a_plate_is_shown_with_all_that_was_found() -> None:
     assert data["page"] == str(Path("out") / "modes.html")
 
 
-@pytest.mark.quick(
-    "words4-no folder of a finished",
-    "words2-did you mean",
-    "words1-there is no such file",
-    "words0-name a FILE",
-    "words5-no parameter is named",
-)
 @pytest.mark.parametrize(
     ("words", "told"),
     [

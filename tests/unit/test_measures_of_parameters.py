@@ -7,6 +7,7 @@ import pytest
 
 import lamc
 from lamc.basics.errors import ExpressionError, RequestError
+from lamc.report.optimum_text import optimum_summary
 from lamc.studies.bench import RunOptions
 from lamc.studies.making import study_of
 from lamc.studies.measures import Measure, Outputs
@@ -90,8 +91,26 @@ def test_the_largest_rectangle_under_a_line() -> None:
     assert best.parameters["length"] == pytest.approx(0.2, rel=1e-6)  # what `lamc.optimise` promises
     assert best.parameters["mass"] == pytest.approx(0.02, rel=1e-6)
     assert best.active == ("length + 10 * mass < 0.4",)
+    # The value's own bends say nothing of how it is felt where a slope is held.
+    assert "flattest" not in optimum_summary(best)
 
 
 def test_two_fixed_numbers_are_no_constraint() -> None:
     with pytest.raises(ExpressionError, match="compares two fixed numbers; name an output of the run, or"):
         lamc.optimise(studied.rod, {"length": (0.1, 0.3)}, "last(hip)", "1 < 2")
+
+
+def test_straight_goals_leave_no_warning_of_scipy(recwarn: pytest.WarningsRecorder) -> None:
+    """trust-constr finds no second derivatives of theirs, and scipy would say so on the terminal."""
+    lamc.optimise(
+        studied.rod,
+        vary={"length": (0.05, 0.3), "mass": (0.005, 0.04)},
+        minimise="-length",
+        subject_to=["length + 10 * mass < 0.4"],
+        method="trust-constr",
+        t_end=0.02,
+        rows=5,
+        starts=1,
+        max_runs=60,
+    )
+    assert not [each for each in recwarn if "delta_grad" in str(each.message)]

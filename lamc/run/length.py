@@ -116,9 +116,9 @@ class Length:
         gets_farther = farther.status == Status.STEP_LIMIT and farther.t[-1] > FARTHER * exact.t[-1]
         seen, changes = (farther, looser) if gets_farther else (exact, {})
         if _turned(seen) < STUCK and seen.t[-1] < SOON * self.t_end:
-            steps = _interruptible(seen, lambda: run(0, progress=None, **trial, **changes)) if rows else seen
-            if steps.status == Status.CANCELLED or steps.t[-1] < GROWS * steps.t[len(steps.t) // 2]:
-                return _Made(steps, changes, by_step=True, is_stuck=True)
+            each = _interruptible(seen, lambda: run(0, progress=None, **trial, **changes)) if rows else seen
+            if each.status == Status.CANCELLED or each.t[-1] < GROWS * each.t[len(each.t) // 2]:
+                return _Made(each, changes, by_step=True, is_stuck=True)
         by_step = bool(rows) and self._has_few_steps(seen, rows)
         shown = 0 if by_step else rows
         if gets_farther:
@@ -243,7 +243,8 @@ def _says_how_exact(arguments: Mapping[str, Any]) -> bool:
 
 def _turned(result: Result) -> float:
     """How far a joint has turned at most, rad."""
-    return float(np.abs(result.q[-1] - result.q[0]).max(initial=0.0))
+    count = len(result.joints)  # coordinates of bases and of what bends come after them
+    return float(np.abs(result.q[-1, :count] - result.q[0, :count]).max(initial=0.0))
 
 
 def _tried(result: Result) -> int:

@@ -23,6 +23,11 @@ _LINE, _HEAD = 15.2, 26.0  # pixels
 _NAME, _CELL = 0.34, 0.15  # of a block's width
 _FONT = 6.5  # pt
 _CLOSE = 13.0  # pixels between numbers at hinges
+_UNITS = (
+    (1e-2, 1.0, "s"),
+    (1e-5, 1e-3, "ms"),
+    (0.0, 1e-6, "µs"),
+)  # from which time on, s; its size, s; its name
 _HALO = [withStroke(linewidth=1.8, foreground="white")]
 
 
@@ -52,15 +57,16 @@ class AngleTable:
         axis.set_ylim(self.height, 0)
         block = min(width / _BLOCKS, 560.0)
         left = (width - _BLOCKS * block) / 2 + 20
+        second, unit = next((size, name) for least, size, name in _UNITS if (max(self.times) or 1.0) >= least)
         for k in range(math.ceil(len(self.hinges) / self.lines)):
             chosen = range(k * self.lines, min((k + 1) * self.lines, len(self.hinges)))
             x = left + k * block
             names = [f"{n + 1}  {shortened(self.hinges[n], 16)}" for n in chosen]
-            self._column(axis, x, ["hinge  (at t, s)", *names], "left")
+            self._column(axis, x, [f"hinge  (at t, {unit})", *names], "left")
             for column, time in enumerate(self.times):
                 cells = [f"{round(self.degrees[n][column], 1) + 0.0:.1f}°" for n in chosen]
                 right = x + block * (_NAME + _CELL * (column + 1)) - 10
-                self._column(axis, right, [f"{time:.3g}", *cells], "right")
+                self._column(axis, right, [f"{time / second:.3g}", *cells], "right")
         if self.left_out:
             text = f"and {self.left_out} more, which move less: see the table of results"
             axis.text(

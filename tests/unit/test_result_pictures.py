@@ -14,6 +14,7 @@ from PIL import Image
 
 import lamc
 from lamc.examples import path as example
+from lamc.report.angle_table import AngleTable
 from lamc.report.curves import coinciding
 from lamc.report.film import by_ffmpeg, by_pyav, write_mp4
 from lamc.report.folded import draw_folded, instants
@@ -185,3 +186,21 @@ def test_a_codec_that_only_reads_is_passed_over(tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.setitem(sys.modules, "av", OnlyReads)  # type: ignore[arg-type]
     assert not by_pyav(None, tmp_path / "a.mp4", 25)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("times", "heads"),
+    [
+        ((0.0,), ["hinge  (at t, s)", "0"]),
+        ((0.0, 3.23), ["hinge  (at t, s)", "0", "3.23"]),
+        ((0.0, 4.73e-3), ["hinge  (at t, ms)", "0", "4.73"]),
+        ((0.0, 1.422e-6), ["hinge  (at t, µs)", "0", "1.42"]),  # in seconds one ran into the other
+    ],
+)
+def test_the_times_of_a_table_are_in_a_unit_that_suits_them(
+    times: tuple[float, ...], heads: list[str]
+) -> None:
+    table = AngleTable(("h",), times, (tuple(0.0 for _ in times),), 0)
+    axis = Figure().add_subplot()
+    table.write(axis, 1200.0)
+    assert [text.get_text() for text in axis.texts[::2]] == heads

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from lamc.basics.brief import counted
 from lamc.basics.progress import Part
 from lamc.loops.misfit import length
 from lamc.loops.texts import MAY_BEND, ROUND_OFF
@@ -46,6 +47,7 @@ _FIRST = 0.5 * _BOTH
 # more than so many times what it came to by the first, is stuck next to a singular position: its steps shrink, and all
 # of the work would show no more than a part of it does.
 STUCK, SOON, GROWS = 5e-3, 1e-3, 1.5
+_SEEN = 8  # steps from rest begin short and grow: fewer tell nothing of those to come
 _PATIENCE = 5  # times the counted steps: of small loops, which are not stuck after as many, 20 s of work
 
 
@@ -117,7 +119,8 @@ class Length:
         seen, changes = (farther, looser) if gets_farther else (exact, {})
         if _turned(seen) < STUCK and seen.t[-1] < SOON * self.t_end:
             each = _interruptible(seen, lambda: run(0, progress=None, **trial, **changes)) if rows else seen
-            if each.status == Status.CANCELLED or each.t[-1] < GROWS * each.t[len(each.t) // 2]:
+            shrinks = len(each.t) > _SEEN and each.t[-1] < GROWS * each.t[len(each.t) // 2]
+            if each.status == Status.CANCELLED or shrinks:
                 return _Made(each, changes, by_step=True, is_stuck=True)
         by_step = bool(rows) and self._has_few_steps(seen, rows)
         shown = 0 if by_step else rows
@@ -152,12 +155,13 @@ class Length:
         if not self.is_own or result.status != Status.STEP_LIMIT or not result.stats.accepted:
             return ""
         of_tolerance = f"; {tolerance}" if is_looser else ", and a looser --rtol takes longer steps"
-        steps = f"{_tried(result)} steps of {len(simulator.joints)} hinges with {simulator.freedoms} freedoms"
+        tried, freedoms = _tried(result), counted(simulator.freedoms, "freedom")
+        steps = f"{counted(tried, 'step')} of {counted(len(simulator.joints), 'hinge')} with {freedoms}"
         why = (
             f"{steps} have turned them by {_turned(result):.1g} rad at most: it is stuck next to a singular position, "
             "from where another branch of the scene, or angles of some hinges, may lead; it ends before"
             if made.is_stuck
-            else f"{steps} are as much work as a run does by itself: it ends before"
+            else f"{steps} {'is' if tried == 1 else 'are'} as much work as a run does by itself: it ends before"
         )
         return (
             f"nobody says how long it is to run, and {why} {self.t_end:g} s; --t-end {self.t_end:g}, or a duration in "

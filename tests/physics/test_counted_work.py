@@ -1,5 +1,6 @@
 """Runs that end after so much counted work of their loops, wherever and whenever they run."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -186,7 +187,8 @@ def test_rows_are_even_where_all_of_the_work_is_enough(large: lamc.Simulator) ->
 def test_what_is_stuck_ends_after_a_part_of_the_work(
     large: lamc.Simulator, rows: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("lamc.run.length.GROWS", 1e9)
+    monkeypatch.setattr("lamc.run.length.GROWS", 1e9)  # whatever its steps are
+    monkeypatch.setattr("lamc.run.length._SEEN", 2)
     length = Length(10.0, 4000, is_own=True, work=12e6)
     ran = length.run(large, rows)
     part = large.run(
@@ -199,6 +201,36 @@ def test_what_is_stuck_ends_after_a_part_of_the_work(
         f"have turned them by {turned:.1g} rad at most: it is stuck next to a singular position" in ran.remark
     )
     assert "--t-end 10" in ran.remark
+
+
+class Paced:
+    """A simulator whose runs have so many steps of a growth, of angles that hardly move: as those next to a singular
+    position are, or as those from rest."""
+
+    def __init__(self, simulator: lamc.Simulator, steps: int, growth: float) -> None:
+        self.simulator, self.steps, self.growth = simulator, steps, growth
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.simulator, name)
+
+    def run(self, *given: Any, **named: Any) -> Any:
+        result = self.simulator.run(*given, **named)
+        t = 1e-4 * np.concatenate(([0.0], np.cumsum(self.growth ** np.arange(self.steps))))
+        q = np.repeat(result.q[:1], len(t), axis=0)
+        return replace(result, t=t, q=q, u=0.0 * q, stats=replace(result.stats, accepted=self.steps))
+
+
+@pytest.mark.parametrize(
+    ("steps", "growth", "is_stuck"), [(40, 0.8, True), (40, 1.0, False), (1, 1.0, False), (4, 0.8, False)]
+)
+def test_steps_that_shrink_are_those_of_what_is_stuck(
+    large: lamc.Simulator, steps: int, growth: float, is_stuck: bool
+) -> None:
+    """And neither as many of one length, nor a few, which are the first from rest."""
+    paced = Paced(large, steps, growth)
+    ran = Length(10.0, 4000, is_own=True, work=12e6).run(paced, 0)  # type: ignore[arg-type]
+    assert ran.result.status == Status.STEP_LIMIT
+    assert ("stuck" in ran.remark) == is_stuck
 
 
 def test_what_speeds_up_is_not_stuck(large: lamc.Simulator) -> None:

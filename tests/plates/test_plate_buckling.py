@@ -80,6 +80,17 @@ def test_pulled_plate_does_not_buckle_but_turned_round_it_does() -> None:
     assert pressed.critical == pytest.approx(4 * math.pi**2, rel=0.01)  # second order in 1/8
 
 
+@pytest.mark.parametrize("cells", [1, 2, 3, 4])
+def test_a_pulled_plate_of_few_cells_does_not_buckle_either(cells: int) -> None:
+    """Loads that pull, held at the other end: nothing presses a mesh so coarse, and round-off is no factor. So few
+    unknowns are for LAPACK, more for Lanczos."""
+    clamped = plate.Clamped(LineString([(0, 0), (0, 1)]))
+    pull = plate.EdgeLoad(LineString([(1, 0), (1, 1)]), (1000.0, 0.0, 0.0))
+    found = plate.buckling(rectangle(1.0, cells, clamped, loads=[pull]), 3)
+    assert found.critical == math.inf
+    assert len(found.reversed) == 3
+
+
 def test_column_buckles_at_eulers_load() -> None:
     """A wide strip without Poisson's effect, pinned at both ends: N = π² D / L²; shapes are half waves."""
     laminate = plate.Laminate([plate.Ply(plate.Material.isotropic(12.0, 0.0, 1.0), 1.0)])

@@ -107,7 +107,7 @@ def test_massless_rigid_motions_are_no_modes() -> None:
 def test_a_stiffness_that_is_not_positive_is_refused() -> None:
     K, M, G = beam(20)
     with pytest.raises(SimulationError, match=r"buckling factors were not found: .* check units"):
-        stability(sparse.csc_array(-K), G, 2, factor, 1)
+        stability(sparse.csc_array(-K), G, 2, factor)
     with pytest.raises(SimulationError, match="natural frequencies were not found"):
         vibration(sparse.csc_array(-K), M, rigid(20), 2, factor)
 
@@ -119,7 +119,7 @@ def test_pinned_beam_buckles_at_eulers_loads(count: int, sign: int) -> None:
     K, _, G = beam(count)
     keep = np.setdiff1d(np.arange(K.shape[0]), [0, K.shape[0] - 2])
     stiffness, geometric = (sparse.csc_array(A[keep][:, keep]) for A in (K, sign * G))
-    factors, _ = stability(stiffness, geometric, 3, factor, sign)
+    factors, _ = stability(stiffness, geometric, 3, factor, [sign])[sign]
     # Order four again; π² of the first is exact, 3π h = 0.47 of the third gives 6e-5 with 20 elements.
     assert factors == pytest.approx(sign * np.pi**2 * np.array([1, 4, 9]), rel=1e-4 if count == 20 else 2e-7)
     solved = 0
@@ -134,7 +134,7 @@ def test_pinned_beam_buckles_at_eulers_loads(count: int, sign: int) -> None:
 
         return counting
 
-    none, vectors = stability(stiffness, geometric, 3, counted, -sign)
+    none, vectors = stability(stiffness, geometric, 3, counted)[-sign]
     assert len(none) == 0
     assert vectors.shape[1] == 0
     # Lanczos waited for round-off to converge, 100 000 solutions long.
@@ -153,10 +153,28 @@ def test_factors_of_the_other_sign_are_found_though_they_are_many_times_larger(
     K, G = (A.toarray()[np.ix_(keep, keep)] for A in (K, G))
     stiffness = sparse.csc_array(block_diag(K, K))
     geometric = sparse.csc_array(block_diag(G, -1e-3 * G))
+    found = stability(stiffness, geometric, 2, factor)
     for sign, least in ((1, np.pi**2), (-1, 1e3 * np.pi**2)):
-        factors, _ = stability(stiffness, geometric, 2, factor, sign)
+        factors, _ = found[sign]
         # Order four of 60 elements leaves 2e-7, as above; round-off of K⁻¹, by the square of its part, less.
         assert factors == pytest.approx(sign * least * np.array([1, 4]), rel=1e-6)
+
+
+@pytest.mark.parametrize("count", SIZES.values(), ids=SIZES)
+def test_round_off_is_no_factor(count: int) -> None:
+    """Forces that press one place only, and one that is pulled a millionth of a millionth as hard: of what is not
+    pressed, solutions leave 1e-17 of the largest inverse factor, of either sign."""
+    K, _, _ = beam(count)
+    keep = np.setdiff1d(np.arange(K.shape[0]), [0, K.shape[0] - 2])
+    stiffness = sparse.csc_array(K[keep][:, keep])
+    for pulled in (0.0, 1e-12):
+        geometric = np.zeros(stiffness.shape)
+        geometric[5, 5], geometric[9, 9] = -1.0, pulled
+        found = stability(stiffness, sparse.csc_array(geometric), 3, factor)
+        inverse = np.linalg.inv(stiffness.toarray())[5, 5]  # of K - λ e eᵀ: 1 = λ eᵀ K⁻¹ e
+        # Round-off of K⁻¹, whose condition grows like the fourth power of the elements: 1e8 of a hundred.
+        assert found[1][0] == pytest.approx([1.0 / inverse], rel=1e-7)
+        assert len(found[-1][0]) == 0
 
 
 @pytest.mark.parametrize(("factor_of_all", "expected"), [(5.0, 0), (20.0, 1), (50.0, 2), (100.0, 3)])

@@ -61,7 +61,8 @@ class Buckling(Shapes):
 
     @property
     def critical(self) -> float:
-        """The least positive factor; inf where these forces, however large, do not buckle the plate."""
+        """The least positive factor; inf where these forces, up to a million times those that buckle it when they are
+        reversed, do not buckle the plate."""
         return float(self.factors[0]) if len(self.factors) else float("inf")
 
     @property
@@ -116,7 +117,8 @@ class Buckling(Shapes):
 
 
 def buckling(problem: Problem, count: int = 4, *, forces: Sequence[float] | Array | None = None) -> Buckling:
-    """Up to `count` factors of each sign.
+    """Up to `count` factors of each sign, and none that is more than a million times the least of either: such ones
+    cannot be told from round-off.
 
     forces  (N_x, N_y, N_xy), N/m, tension positive, uniform, or one row per cell; None: those that the problem's loads
             make in the plane, which then have to be held there, at the middle of each cell
@@ -139,12 +141,9 @@ def buckling(problem: Problem, count: int = 4, *, forces: Sequence[float] | Arra
         )
     signs = [sign for sign in (1, -1) if _can_buckle(acting * sign)]
     available = min(wanted, stiffness.shape[0])
-    values: dict[int, Array] = {1: np.empty(0), -1: np.empty(0)}
-    shapes = []
-    for sign in signs:
-        values[sign], vectors = stability(stiffness, geometric, available, over.factor, sign)
-        shapes.append(vectors)
-    full, _ = over.normalised(np.hstack(shapes))
+    found = stability(stiffness, geometric, available, over.factor, signs)
+    values = {1: np.empty(0), -1: np.empty(0)} | {sign: factors for sign, (factors, _) in found.items()}
+    full, _ = over.normalised(np.hstack([vectors for _, vectors in found.values()]))
     return Buckling(
         problem=problem,
         vectors=full,

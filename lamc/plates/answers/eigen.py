@@ -11,7 +11,7 @@ their digits, which a shift away from zero would cost. Source: B. N. Parlett, Th
 chapters 11 and 15; ARPACK's modes 2 and 3.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
@@ -36,7 +36,7 @@ _SAME = 1e-9  # relative; values nearer to each other than this are one
 _SEED = 20_040_229  # any, but always the same
 # Rounds of Lanczos in which buckling factors are found, where there are as many: some ten are usual.
 _ROUNDS = 100
-# Of the largest inverse factor: those of the other sign that are less are round-off of the solutions, and none.
+# Of the largest inverse factor of either sign: those that are less are round-off of the solutions, and none.
 _NEGLIGIBLE = 1e-6
 
 
@@ -174,41 +174,55 @@ def _dense(stiffness: Matrix, mass: Matrix, motions: Array, rigid: Array, count:
 
 
 def stability(
-    stiffness: Matrix, geometric: Matrix, count: int, factor: Factor, sign: int
-) -> tuple[Array, Array]:
-    """The `count` factors λ of that sign nearest to zero where K + λ G is singular, and vectors (n, count), φᵀKφ = 1.
+    stiffness: Matrix, geometric: Matrix, count: int, factor: Factor, signs: Sequence[int] = (1, -1)
+) -> dict[int, tuple[Array, Array]]:
+    """By sign the `count` factors λ nearest to zero where K + λ G is singular, and vectors (n, count), φᵀKφ = 1.
 
-    K is positive definite. Fewer come back where there are fewer; where they are hard to find, none that is a million
-    times the least of either sign.
+    K is positive definite. Fewer come back where there are fewer, and none that is more than a million times the least
+    of these signs: such factors cannot be told from round-off of the others.
     """
     size = stiffness.shape[0]
-    if size <= max(DENSE, 4 * count):
-        with _lanczos_errors("buckling factors"):
-            inverses, vectors = scipy.linalg.eigh(-sign * geometric.toarray(), stiffness.toarray())
-        inverses, vectors = inverses[::-1][:count], vectors[:, ::-1][:, :count]
-    else:
-        solve = factor(stiffness)
-        start = solve(np.random.default_rng(_SEED).standard_normal(size))
-        operator = LinearOperator((size, size), matvec=solve, dtype=float)
+    with _lanczos_errors("buckling factors"):
+        if size <= max(DENSE, 4 * count):
+            inverses, vectors = scipy.linalg.eigh(-geometric.toarray(), stiffness.toarray())
+            found = {sign: (sign * inverses, vectors) for sign in signs}
+        else:
+            found = _nearest(stiffness, geometric, count, factor, signs)
+    largest = max((np.abs(inverses).max(initial=0.0) for inverses, _ in found.values()), default=0.0)
+    chosen = {}
+    for sign, (inverses, vectors) in found.items():
+        order = np.argsort(-inverses)[:count]
+        kept = order[inverses[order] > _NEGLIGIBLE * largest]
+        chosen[sign] = sign / inverses[kept], vectors[:, kept]
+    return chosen
 
-        def found(count: int, rounds: int | None = None, which: str = "LA") -> tuple[Array, Array]:
-            return eigsh(  # type: ignore[no-any-return]
-                -sign * geometric, count, stiffness, Minv=operator, which=which, v0=start, maxiter=rounds
-            )
 
-        with _lanczos_errors("buckling factors"):
-            try:
-                inverses, vectors = found(count, _ROUNDS)
-            except ArpackNoConvergence:
-                largest = float(np.abs(found(1, which="LM")[0][0]))
-                count = min(count, _pressed(stiffness, geometric, sign / (_NEGLIGIBLE * largest)))
-                if not count:
-                    return np.empty(0), np.empty((size, 0))
-                inverses, vectors = found(count)
-        order = np.argsort(-inverses)
-        inverses, vectors = inverses[order], vectors[:, order]
-    keep = inverses > 1e-10 * np.abs(inverses).max(initial=0.0)
-    return sign / inverses[keep], vectors[:, keep]
+def _nearest(
+    stiffness: Matrix, geometric: Matrix, count: int, factor: Factor, signs: Sequence[int]
+) -> dict[int, tuple[Array, Array]]:
+    """By sign the `count` greatest inverses of factors, in any order, and vectors, by Lanczos; where it does not settle
+    they are counted first, and may be fewer."""
+    size = stiffness.shape[0]
+    solve = factor(stiffness)
+    start = solve(np.random.default_rng(_SEED).standard_normal(size))
+    operator = LinearOperator((size, size), matvec=solve, dtype=float)
+
+    def inverses_of(
+        sign: int, count: int, rounds: int | None = None, which: str = "LA"
+    ) -> tuple[Array, Array]:
+        return eigsh(  # type: ignore[no-any-return]
+            -sign * geometric, count, stiffness, Minv=operator, which=which, v0=start, maxiter=rounds
+        )
+
+    found = {}
+    for sign in signs:
+        try:
+            found[sign] = inverses_of(sign, count, _ROUNDS)
+        except ArpackNoConvergence:
+            largest = float(np.abs(inverses_of(sign, 1, which="LM")[0][0]))
+            there = min(count, _pressed(stiffness, geometric, sign / (_NEGLIGIBLE * largest)))
+            found[sign] = inverses_of(sign, there) if there else (np.empty(0), np.empty((size, 0)))
+    return found
 
 
 def _pressed(stiffness: Matrix, geometric: Matrix, factor: float) -> int:

@@ -222,13 +222,21 @@ def scene_text(answer: Fit, name: str) -> str:
     """A scene file with the fitted numbers, for `lamc run --scene`."""
     lines = [f"# Numbers of {name!r} that `lamc fit` found; dimensions of the drawing go with --set."]
     lines += [f"#   {each} = {value!r}" for each, value in answer.dimensions.items()]
-    if len(answer.starts) > 1:  # one scene has one start
+    runs = answer.setting.runs
+    if len(runs) > 1:  # one scene has one start, and one number of each parameter
         for recording, of_kinds in answer.starts.items():
             for kind, unit, values in zip(("angles", "rates"), ("rad", "rad/s"), of_kinds, strict=True):
                 lines += [f"# {recording} starts at {kind}.{j} = {v!r} {unit}" for j, v in values.items()]
+        lines += [f"# {run.name} has {each} = {v!r}" for run in runs for each, v in run.own_numbers.items()]
+    lines += [
+        f"# {run.name} has {each} follow a series, which this scene does not."
+        for run in runs
+        for each in run.parameters
+        if each not in run.own_numbers
+    ]
     lines += [
         f"# {run.name} starts at {run.begin!r} s of its clock; a run by this scene starts at 0."
-        for run in answer.setting.runs
+        for run in runs
         if run.begin
     ]
     lines += [f"# Not told by these data: {each}" for each in answer.unidentifiable]

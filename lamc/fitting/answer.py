@@ -36,6 +36,11 @@ _ROWS = 200  # a second, of results
 _ROUND_OFF = 1e-12  # of a column's largest number: what varies by less stands still
 
 
+def _stands_still(values: Array) -> bool:
+    """Whether numbers (m,) are all one, but for round-off."""
+    return bool(np.ptp(values) <= _ROUND_OFF * np.abs(values).max())
+
+
 @dataclass(frozen=True, eq=False)
 class Compared:
     """A recording beside what the fitted model says. t: (m,), s, of its clock; measured, predicted: (m, k), NaN: gaps;
@@ -61,16 +66,16 @@ class Compared:
         return dict(zip(self.columns, found.tolist(), strict=True))
 
     def share_text(self, column: str) -> str:
-        """Of the column's variance what the model leaves, in words: none where what was recorded is at rest, as the
-        model has it, and its variance that of noise."""
+        """Of the column's variance what the model leaves, in words: none where what was recorded stands still, or is at
+        rest, as the model has it, and its variance that of noise."""
         k, share = self.columns.index(column), self.share[column]
-        measured = self.measured[:, k]
-        stands = float(np.ptp(self.predicted[:, k])) < self.rms[column]
-        least, most = float(np.nanmin(measured)), float(np.nanmax(measured))
-        is_still = np.isnan(share) or most - least <= _ROUND_OFF * max(abs(least), abs(most))
-        if is_still or (stands and not _is_alike(likeness(measured))):
-            return "at rest"
-        return f"{share:.2%}"
+        rows = np.isfinite(self.measured[:, k])
+        measured, predicted = self.measured[rows, k], self.predicted[rows, k]
+        stands = _stands_still(predicted) or float(np.ptp(predicted)) < self.rms[column]
+        if _stands_still(measured):
+            moves = f"{float(np.ptp(predicted)):.3g} {self.units[k]}".removesuffix(" 1")
+            return "at rest" if stands else f"stands still, and the model moves by {moves}"
+        return "at rest" if stands and not _is_alike(likeness(measured)) else f"{share:.2%}"
 
     @property
     def share(self) -> dict[str, float]:
@@ -153,12 +158,17 @@ class Fit:
     @property
     def scene(self) -> Scene:
         """The scene with fitted parameters: `lamc.compile(fit.design, fit.scene)`. Of one recording alone, it starts as
-        that does; of several, as ever, and `starts` has theirs."""
-        scene = self.simulator.scene
-        angles, rates = next(iter(self.starts.values())) if len(self.setting.runs) == 1 else ({}, {})
+        that does, with the numbers of its parameters; series that they follow are of a run:
+        `Simulator.run(parameters=recording.series)`. Of several it starts as ever, and `starts` has theirs."""
+        scene, runs = self.simulator.scene, self.setting.runs
+        alone = runs[0] if len(runs) == 1 else None
+        angles, rates = next(iter(self.starts.values())) if alone else ({}, {})
+        own = alone.own_numbers if alone else {}
         return replace(
             scene,
-            parameters=ReadOnlyDict({**scene.parameters, **self.setting.parameters, **self.parameters}),
+            parameters=ReadOnlyDict(
+                {**scene.parameters, **self.setting.parameters, **own, **self.parameters}
+            ),
             angles=ReadOnlyDict({**scene.angles, **angles}),
             rates=ReadOnlyDict({**scene.rates, **rates}),
         )

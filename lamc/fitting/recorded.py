@@ -24,7 +24,7 @@ from lamc.run.following import with_series
 from lamc.run.parameters import checked_parameters
 from lamc.run.request import Array
 from lamc.run.simulator import Simulator
-from lamc.studies.axes import axis_of
+from lamc.studies.axes import number_of
 
 Rows = np.ndarray[tuple[int], np.dtype[np.bool_]]
 _UNITS = {"delay": "s", "gain": "1", "rotation": "rad"}
@@ -51,6 +51,11 @@ class Run:
     rates: Mapping[str, float]
     parameters: Mapping[str, float | Series]
     numbers: Mapping[str, float]  # of the sensors, given ones; delay too
+
+    @property
+    def own_numbers(self) -> dict[str, float]:
+        """Of `parameters` those that follow no series."""
+        return {name: each for name, each in self.parameters.items() if not isinstance(each, Series)}
 
     @property
     def times(self) -> Array:
@@ -115,7 +120,7 @@ def run_of(
                 begun = min(max(begun, free.low), free.high)
                 own.append(unknown(f"{name}.{kind}s.{joint}", kind, joint, unit, free, begun, owner=name))
             else:
-                whole[joint] = float(axis_of(joint, given, unit).extremes[0])
+                whole[joint] = number_of(f"{name}.{kind}s.{joint}", given, unit)
     if estimated:
         own += _whole_start(recording, simulator, {each.name for each in own}, {**angles}, {**rates})
     parameters = checked_parameters(recording.parameters, simulator.parameter_units)
@@ -197,7 +202,7 @@ def _delay(recording: Recording) -> tuple[float, Unknown | None]:
     given = recording.delay
     name = f"{recording.name}.delay"
     if not is_range(given):
-        return float(axis_of("delay", given, "s").extremes[0]), None
+        return number_of(name, given, "s"), None
     free = free_of(given, name, "s")
     if not (math.isfinite(free.low) and math.isfinite(free.high)):
         raise RequestError(
@@ -213,7 +218,7 @@ def _sensor(key: str, given: object, recording: Recording, name: str) -> "Unknow
     kind = key.rpartition(".")[2].partition("_")[0]
     unit = _UNITS.get(kind, "1")
     if not is_range(given):
-        return float(axis_of(key, given, unit).extremes[0])
+        return number_of(key, given, unit)
     free = free_of(given, key, unit)
     column = key.removeprefix(f"{name}.").rpartition(".")[0]
     values = recording.values.get(column)

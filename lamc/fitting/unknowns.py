@@ -16,7 +16,7 @@ from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError
 from lamc.records.recording import Free
 from lamc.run.request import Array
-from lamc.studies.axes import axis_of
+from lamc.studies.axes import number_of
 
 _DECADE = 10.0
 _WIDE = 1e8  # a positive number without bounds is looked for from a part to as many times of where it begins
@@ -105,7 +105,7 @@ def free_of(given: object, name: str, unit: str) -> Free:
     try:
         return _free_of(given, unit)
     except RequestError as error:
-        why = error.message.removeprefix("vary ").removeprefix("'range': ")
+        why = error.message.removeprefix("'range': ")
         raise RequestError(f"{name!r}: {why}") from error
 
 
@@ -133,7 +133,7 @@ def _free_of(given: object, unit: str) -> Free:
 def _number(given: object, unit: str) -> float:
     if isinstance(given, float) and math.isinf(given):
         return given
-    return float(axis_of("range", given, unit).extremes[0])
+    return number_of("range", given, unit)
 
 
 def is_range(given: object) -> bool:

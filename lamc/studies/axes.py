@@ -137,6 +137,20 @@ def axis_of(name: str, given: object, unit: str) -> Axis:
     return axis
 
 
+def number_of(name: str, given: object, unit: str) -> float:
+    """The one number that `name`, whose SI unit is `unit`, is given. Raises RequestError for what is none, and for what
+    may be several: 1,000 or 1:5, whose first is not meant."""
+    if isinstance(given, str) and (set(given) & set(":,") or _SPREAD.match(given)):
+        raise RequestError(f"{name!r}: {shown(given)} is not one number; decimals have a point")
+    try:
+        number = _number(given, unit)
+    except (DesignError, RequestError) as error:
+        raise RequestError(f"{name!r}: {error.message}") from error
+    if unit == "rad" and is_bare(given):
+        warn_of_degrees(number, f"what {name!r} is given")
+    return number
+
+
 def _are_bare(given: object) -> bool:
     """Whether none of the numbers comes with a unit."""
     if is_list(given):

@@ -21,7 +21,7 @@ from lamc.basics.checks import did_you_mean, is_list, shown
 from lamc.basics.errors import DesignError, Place, RequestError
 from lamc.basics.files import read_bytes
 from lamc.run.request import Array
-from lamc.studies.axes import Axis, Listed, Span, Spread, axis_of
+from lamc.studies.axes import Axis, Listed, Span, Spread, number_of
 
 METHODS = ("lhs", "sobol", "halton", "random", "saltelli")
 MOST_SAMPLES = 10_000_000  # that are held in memory
@@ -200,7 +200,7 @@ def given_points(given: object, units: Mapping[str, str]) -> Points:
     columns = []
     for name, values in given.items():
         _known(name, units)
-        columns.append([_value(name, each, units[name]) for each in values])
+        columns.append([number_of(name, each, units[name]) for each in values])
     if len({len(column) for column in columns}) != 1 or not columns[0]:
         raise RequestError(
             f"lists of points have lengths {[len(c) for c in columns]}; they must be equal, and not 0"
@@ -250,18 +250,10 @@ def _from_csv(path: Path, units: Mapping[str, str]) -> Points:
             cell = given.replace(",", ".") if between == ";" else given  # decimal commas
             bare = unit and not any(ch.isalpha() and ch not in "eE" for ch in cell)
             try:
-                values[k, c] = _value(name, f"{cell} {unit}" if bare else cell, units[name])
+                values[k, c] = number_of(name, f"{cell} {unit}" if bare else cell, units[name])
             except RequestError as error:
                 raise DesignError(error.message, Place(str(path), line, c + 1)) from error
     return _points(names, values)
-
-
-def _value(name: str, given: object, unit: str) -> float:
-    """A single number. Raises RequestError for one that is none, and for several, such as 1,000 or 1:5."""
-    low, high = axis_of(name, given, unit).extremes
-    if low != high:
-        raise RequestError(f"{name!r} is {shown(given)}; a point has one number of each")
-    return float(low)
 
 
 def _separator(text: str) -> str:
@@ -271,10 +263,10 @@ def _separator(text: str) -> str:
 
 
 def _head(cell: str) -> tuple[str, str]:
-    """Name and unit of "length (mm)" or "length [mm]"; the unit may be missing."""
+    """Name and unit of "length (mm)" or "length[mm]"; the unit may be missing."""
     for left, right in ("()", "[]"):
-        name, bracket, unit = cell.strip().rpartition(f" {left}")
-        if bracket and unit.endswith(right):
+        name, bracket, unit = cell.strip().rpartition(left)
+        if name and bracket and unit.endswith(right):
             return name.strip(), unit[:-1].strip()
     return cell.strip(), ""
 

@@ -17,7 +17,7 @@ import numpy as np
 from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError, warn
 from lamc.run.request import Array
-from lamc.studies.axes import Span, axis_of
+from lamc.studies.axes import Span, axis_of, number_of
 from lamc.studies.targets import Target, check_within, known_target
 
 _WHOLE = re.compile(r"\s*([+-]?\d{1,9})\s*\.\.\s*([+-]?\d{1,9})\s*\Z")
@@ -175,7 +175,7 @@ def _variable(target: Target, given: object) -> Variable:
 
 def axis_values(name: str, given: Sequence[object], unit: str) -> list[float]:
     """Numbers in `unit`, of numbers and of texts. Raises RequestError."""
-    return [axis_of(name, each, unit).extremes[0] for each in given]
+    return [number_of(name, each, unit) for each in given]
 
 
 def _range(name: str, unit: str, low: float, high: float, *, log: bool) -> Variable:

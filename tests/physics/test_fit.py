@@ -7,6 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import lamc
+from lamc.commands.fit import scene_text
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import setting_of
 from lamc.fitting.simulators import Simulators
@@ -41,6 +42,21 @@ def one_link(stiffness: float = 2e-3, damping: float = 1e-5) -> lamc.Mechanism:
         name="h", parent="ground", child="flap", axis=(0.0, 1.0, 0.0), stiffness=stiffness, damping=damping
     )
     return lamc.Mechanism(name="flap", bodies=(ground, flap), joints=(hinge,))
+
+
+def test_the_scene_moves_as_the_fit_does_with_the_recordings_own_numbers() -> None:
+    """They had been left out: the scene swung as the design says, and the fit as the recording does."""
+    device, t = one_link(), np.linspace(0.0, 1.0, 201)
+    scene, own = lamc.Scene(angles={"h": 0.5}), {"h.damping": 5e-5}
+    q = lamc.compile(device, scene).run(1.0, t_eval=t, parameters=own).angle("h")
+    recording = lamc.Recording(t, {"h": q}, parameters=own)
+    fit = lamc.fit(device, recording, ["h.stiffness"], scene)
+    again = lamc.compile(fit.design, fit.scene).run(1.0, t_eval=t)
+    assert again.angle("h") == pytest.approx(q, abs=1e-7)  # both to rtol 1e-9, stiffness to 1e-8
+    two = lamc.fit(device, [recording, recording], ["h.stiffness"], scene)
+    assert "h.damping" not in two.scene.parameters
+    remarks = scene_text(two, "flap")
+    assert remarks.count(" has h.damping = 5e-05\n") == 2
 
 
 def test_stiffness_and_damping_of_a_flap_that_scipy_swung() -> None:

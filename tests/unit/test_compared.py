@@ -24,6 +24,9 @@ SWING = 1.3 * np.cos(5.0 * T)  # 150 degrees from end to end
             np.full(len(T), 0.1 + 1e-6),
             "at rest",
         ),  # but for round-off
+        # A dead sensor, or a hinge that does not move: nothing agrees.
+        (np.full(len(T), 0.1), SWING, "stands still, and the model moves by 2.6 rad"),
+        (np.where(T == 0.0, 0.1, np.nan), SWING, "at rest"),  # of one row there is no more to say
         (SWING, np.full(len(T), 50.0), "2"),  # it swings, however far away the model stands
         (np.where(T < 1.0, SWING, np.nan), 0.01 * SWING, "105."),  # as much as no model, and its mean besides
     ],

@@ -81,6 +81,27 @@ def test_recordings_that_do_not_fit(times: list[float], values: list[float], mes
             ["h1.stiffness", "h2.stiffness"],
             "there are 2 data, and 2 unknowns",
         ),
+        # Of several numbers the first had been taken without a word.
+        (
+            lamc.Recording(T, {"h1": ZERO}, angles={"h1": "0,5"}),
+            {"h1.stiffness": None},
+            r"angles.h1': '0,5' is not one number; decimals have a point",
+        ),
+        (
+            lamc.Recording(T, {"h1": ZERO}, gain={"h1": "1,05"}),
+            {"h1.stiffness": None},
+            r"h1.gain': '1,05' is not one number",
+        ),
+        (
+            lamc.Recording(T, {"h1": ZERO}, delay="0,01"),
+            {"h1.stiffness": None},
+            r"delay': '0,01' is not one number",
+        ),
+        (
+            lamc.Recording(T, {"h1": ZERO}),
+            {"h1.stiffness": "1,5:2,5"},
+            r"'h1.stiffness': '1,5' is not one number",
+        ),
         (lamc.Recording(T + 50.0, {"h1": ZERO}), ["h1.stiffness"], "begins at 50 s of its clock.*subtract"),
     ],
 )

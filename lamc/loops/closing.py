@@ -21,10 +21,10 @@ LONGEST_STEP = 0.5  # rad; lines of rotation are straight no farther
 MAX_ITERATIONS = 60
 FRUITLESS = 8  # steps of many loops that fit badly and do not come closer by half: weak directions come and go by turns
 FEW_ITERATIONS = 8  # of damped ones
-# Steps of many loops along directions so weak that they are damped: of so small a residual each leaves nearly all (by
-# 0.99 a step, sixty of them leave half). So many of them in turn are the last. Near a double root steps that leave 0.9
-# arrive, and are waited for.
-CREEPING, LEAVES, CREEPS = 1e-7, 0.99, 3
+# Along directions so weak that they are damped, steps of many loops leave most of a residual that is so small. So many
+# in turn are the last where all that are left would not close it, if each did what three of them do: near a double root
+# each does a little more than the one before.
+CREEPING, CREEPS = 1e-7, 3
 ASTRAY = 3  # steps in turn that end beyond where the place may be: it does not come back
 STILL = 1e-10  # rad: a step that leaves open what it should close is the last, if it is as short
 NEAREST, NEARER, ARRIVED = (
@@ -62,7 +62,8 @@ def settle(
     damped = cutoff > DAMPING and nullity is None and linear.is_very_large
     fits_badly = (cutoff > DAMPING or nullity is not None) and not linear.is_small
     least, shortest, fruitless, creeps, astray = error, np.inf, 0, 0, 0
-    for _ in range((FEW_ITERATIONS if damped else MAX_ITERATIONS) if len(columns) else 0):
+    most = (FEW_ITERATIONS if damped else MAX_ITERATIONS) if len(columns) else 0
+    for left in range(most - 1, -1, -1):
         if error <= 1e-2 * CLOSED or (fits_badly and fruitless >= FRUITLESS):
             break
         part = linear.part(columns).after(part)
@@ -78,7 +79,8 @@ def settle(
         before, error = error, float(np.abs(residual).max(initial=0.0))
         if error > 0.5 * before and (error <= enough or longest < still):
             break
-        creeps = creeps + 1 if LEAVES * before < error < CREEPING and not linear.is_small else 0
+        is_vain = 0.0 < error < CREEPING and error * min(error / before, 1.0) ** (3 * left) > enough
+        creeps = creeps + 1 if is_vain and not linear.is_small else 0
         astray = astray + 1 if np.abs(angles - begun).max() > reach else 0
         if creeps == CREEPS or astray == ASTRAY:
             break

@@ -262,9 +262,9 @@ def clear_of(
 
 
 def _clear_of(geometry: LoopGeometry, angles: Array, place: Array, cutoff: float, most_open: float) -> Array:
-    way, step, free = place - angles, OUT, geometry.linear(place).nullity(cutoff)
+    way, step, linear = place - angles, OUT, geometry.linear(place)
+    free = linear.nullity(cutoff)
     for _ in range(MOST_STEPS):
-        linear = geometry.linear(place)
         motions, far = linear.free(cutoff), float(np.abs(place - angles).max())
         known = linear.weak[0]
         clear = float(known[free]) if free < len(known) else 1.0
@@ -277,6 +277,7 @@ def _clear_of(geometry: LoopGeometry, angles: Array, place: Array, cutoff: float
         near = np.abs(following - place - ahead).max() < BENT * np.abs(ahead).max()
         if error <= most_open and near:
             way, place, step = following - place, following, 2.0 * step
+            linear = geometry.linear(place).after(linear)
         else:
             step *= 0.5
     return place

@@ -8,6 +8,7 @@ Joints follow FOLD's sign: a positive angle is a valley, seen from the side from
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -59,18 +60,20 @@ def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple
     if frame.own or options.facets == "rigid":
         return made, notes
     if options.facets == "bend":
-        return _bending(frame, options).mechanism(stem)
+        return _bending(frame, sheet).mechanism(stem)
     why = (obstacle(made) or sheet.locked_most) if any(kind in CREASED for kind in frame.kinds) else ""
     if not why:
         return made, notes
-    bent, told = _bending(frame, options).mechanism(stem)
-    if len(bent.joints) == len(made.joints) or obstacle(bent) == STILL:
+    bent, told = _bending(frame, sheet).mechanism(stem)
+    if len(bent.joints) == len(made.joints):
         return made, notes
     if not sheet.locked_most and _takes_minutes(bent, options) and not _takes_minutes(made, options):
         notes.append(
             f"{why}: facets that bend would take minutes until they run, and are left rigid (--facets bend, with "
             "--large, has them)"
         )
+        return made, notes
+    if obstacle(bent) == STILL:
         return made, notes
     told.append(
         f"{why}: they bend along diagonals and flat lines, {STIFFER:g} times as stiff as creases of the same length "
@@ -122,7 +125,7 @@ class _Sheet:
         self.locked_most = ""  # why rigid facets leave too little of the fold; empty: they do not
 
     def mechanism(self, stem: str) -> tuple[Mechanism, list[str]]:
-        facets = self.facets()
+        facets = self.found
         frame = self.frame
         own = own_of(frame.own, len(facets.faces), len(frame.edges))
         together: dict[str, list[int]] = {}
@@ -205,7 +208,8 @@ class _Sheet:
                 f"nothing folds: no crease lies between two facets; draw creases from rim to rim ({how})"
             )
 
-    def facets(self) -> _Facets:
+    @cached_property
+    def found(self) -> _Facets:
         """Faces, flat or laid flat. Raises DesignError where they cannot be."""
         check_count(len(self.frame.edges), "edges", large=self.options.large)
         level = is_level(self.frame)
@@ -349,10 +353,10 @@ def _takes_minutes(sheet: Mechanism, options: SheetOptions) -> bool:
     return False
 
 
-def _bending(frame: FoldFrame, options: SheetOptions) -> _Sheet:
-    """The sheet of one frame with facets that bend."""
-    facets = _Sheet(frame, options).facets()
-    return _Sheet(bending(frame, facets.faces, facets.corners), options)
+def _bending(frame: FoldFrame, sheet: _Sheet) -> _Sheet:
+    """The sheet of one frame with facets that bend; of the same frame, `sheet` has rigid ones."""
+    facets = sheet.found
+    return _Sheet(bending(frame, facets.faces, facets.corners), sheet.options)
 
 
 def _roots(count: int, pairs: Sequence[tuple[int | None, int | None]]) -> list[int]:

@@ -90,11 +90,12 @@ def _rank_from_elsewhere(result: "Result") -> list[str]:
     if model.rank == 0 or len(result.t) < _ROWS or model.closure_count * width > _MOST:
         return []
     rows = np.unique(np.linspace(0, len(result.t) - 1, _ROWS).astype(int))
-    met = 0
+    met, before = 0, None
     for k in rows:
         state = np.hstack([result.q[k : k + 1], result.u[k : k + 1]])
         jacobian = result.motion.closures(state)[0, model.closure_count :].reshape(-1, width)
-        met = max(met, _taken_apart(jacobian).rank(_INDEPENDENT))
+        before = _taken_apart(jacobian).after(before)
+        met = max(met, before.rank(_INDEPENDENT))
     if met > model.rank and not result.motion.gap:  # a misfit that is accepted has a rank of its own
         return [
             f"the loops have {met} independent equations at some of the {len(rows)} rows that were looked at, and the "

@@ -6,6 +6,7 @@ In: a name, or none. Out: text, or plain data for --json. It simulates nothing.
 import textwrap
 from dataclasses import asdict
 
+from lamc import effects
 from lamc.basics.checks import did_you_mean
 from lamc.basics.errors import LamcError
 from lamc.commands.schema import part_text
@@ -133,7 +134,9 @@ def show_effects(name: str | None, terminal: Terminal) -> int:
         raise LamcError(f"no effect is named {name[:40]!r}; {did_you_mean(wanted, sorted(known))}")
     kind, part = known[wanted], parts()[wanted]
     law = f"\n\nlaw     {kind.source}" if kind.source else ""
-    terminal.say(f"{part_text(part)}{law}\nPython  lamc.{kind.__name__}")
+    is_public = kind.__name__ in effects.__all__
+    python = f"lamc.{kind.__name__}" if is_public else f"from {kind.__module__} import {kind.__name__}"
+    terminal.say(f"{part_text(part)}{law}\nPython  {python}")
     rows_data = schema_data(part.definition, called)
     terminal.result(
         {"ok": True, "name": wanted, "summary": kind.summary, "fields": rows_data, "example": kind.example}

@@ -1,4 +1,4 @@
-"""Effects: one module each, known to the rest of lamc through `base.py` and `registry.py` only."""
+"""Effects: one module each, known to the rest of lamc through `registry.py` only."""
 
 from lamc.effects.base_motion import BaseMotion
 from lamc.effects.bender import PiezoBender

@@ -105,6 +105,22 @@ def _plies() -> "TypeAdapter[list[Any]]":
     return TypeAdapter(list[Annotated[Any, PlainValidator(_ply)]])
 
 
+def _listed(data: Any, info: ValidationInfo) -> "list[Any]":
+    with part():
+        if not isinstance(data, list | tuple) or not data:
+            raise DesignError(
+                f"the laminate is {shown(data)}; give its plies from bottom to top, or a lamc.plate.Laminate"
+            )
+    return _plies().validate_python(list(data), context=info.context)
+
+
+class _LaminateData(StrictModel):
+    """A laminate of a file whose plies have a name."""
+
+    plies: Annotated[Any, PlainValidator(_listed)]
+    reference: Any = "middle"
+
+
 class _LaminateSchema:
     """What JSON Schema says of a laminate, made when it is asked for: it takes longer than importing this."""
 
@@ -121,16 +137,11 @@ def _laminate(data: Any, info: ValidationInfo) -> "Laminate":
 
     if isinstance(data, Laminate):
         return data
-    reference = "middle"
-    if isinstance(data, Mapping) and set(data) <= {"plies", "reference"}:
-        reference, data = data.get("reference", reference), data.get("plies")
-    with part():
-        if not isinstance(data, list | tuple) or not data:
-            raise DesignError(
-                f"the laminate is {shown(data)}; give its plies from bottom to top, or a lamc.plate.Laminate"
-            )
-    plies = _plies().validate_python(list(data), context=info.context)
-    return _made(lambda: Laminate(plies, reference))
+    if not isinstance(data, Mapping):
+        plies = _listed(data, info)
+        return _made(lambda: Laminate(plies))
+    said = inner(_LaminateData, data, info)
+    return _made(lambda: Laminate(said.plies, said.reference))
 
 
 if TYPE_CHECKING:

@@ -23,7 +23,8 @@ BARE = {"HUGE_VAL": "LAMC_INFINITY", **{name: f"lamc_{name}" for name in _FUNCTI
 
 def _linked(options: ExportOptions) -> list[str]:
     """The methods that adaptive steps may be taken with."""
-    return [name for name in METHODS if options.integrator in (AUTO, name)]
+    chosen = options.integrator
+    return [name for name, each in METHODS.items() if chosen == name or (chosen == AUTO and each.is_chosen)]
 
 
 def _needs_jacobian(options: ExportOptions) -> bool:

@@ -58,7 +58,7 @@ class EnergyBalance:
 
     def __repr__(self) -> str:
         entries = ", ".join(f"{e.effect} {e.supplied:+.3g} J" for e in self.entries)
-        return f"<Books: {entries}; balance within {self.balance:.1e} of {self.scale:.3g} J>"
+        return f"<EnergyBalance: {entries}; balance within {self.balance:.1e} of {self.scale:.3g} J>"
 
     @property
     def entries(self) -> tuple[Entry, ...]:
@@ -80,7 +80,7 @@ class EnergyBalance:
 def energy_balance_of(
     work: Mapping[str, Array], energies: Mapping[str, Array], first: Mapping[str, float]
 ) -> EnergyBalance:
-    """Books from work (m,) by effect, energies (m,) by name and those at t = 0; J."""
+    """The balance from work (m,) by effect, energies (m,) by name and those at t = 0; J."""
     kinetic = energies[KINETIC] - first[KINETIC]
     zero = np.zeros(len(kinetic))
     changes = {name: values - first[name] for name, values in energies.items() if name != KINETIC}

@@ -83,7 +83,7 @@ def test_the_map_lists_every_module_with_the_line_of_its_docstring() -> None:
 def test_the_floors_of_the_architecture_are_those_of_the_contract_in_their_order() -> None:
     contracts = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]
     (layers,) = [contract["layers"] for contract in contracts["contracts"] if contract["type"] == "layers"]
-    held = [name.removeprefix("lamc.") for name in reversed(layers) if name != "lamc.__main__"]
+    held = [name for name in reversed(layers) if name != "__main__"]
     table = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8").split("## Floors")[1].split("\n## ")[0]
     rows = re.findall(r"^\| (`[^|]*) \|", table, re.MULTILINE)
     assert [name for row in rows for name in re.findall(r"`(\w+)`", row)] == held

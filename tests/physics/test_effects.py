@@ -178,27 +178,16 @@ def account(mechanism: Mechanism, scene: Scene) -> dict[str, tuple[bool, str]]:
 
 def test_a_design_calls_for_what_is_not_zero() -> None:
     bare = account(pendulum(), Scene())
-    assert bare == {
-        "base_motion": (False, "the fixed bodies stay where they are"),
-        "blade_element_drag": (False, "no air is called for"),
-        "cable": (False, "no cable is called for"),
-        "external_torque": (False, "no torque comes from outside"),
-        "flexible_links": (False, "bodies are rigid"),
-        "free_base": (False, "the fixed bodies stay where they are"),
-        "gravity": (True, "-9.81 m/s² along z unless a scene says otherwise"),
-        "ground_contact": (False, "no ground is called for"),
-        "hinge_damping": (False, "no hinge is damped"),
-        "hinge_stiffness": (False, "no hinge has a stiffness"),
-        "joint_limits": (False, "no joint has limits narrower than ±180°"),
-        "linear_motor": (False, "no motor is called for"),
-        "nonlinear_stiffness": (False, "no law of a hinge's torque is given"),
-        "piezo_bender": (False, "no bender is called for"),
-        "pouch": (False, "no pouch is called for"),
-        "rest_angle": (False, "every hinge rests as drawn"),
-        "servo": (False, "no servo is called for"),
-        "spring": (False, "no spring is called for"),
-        "torque": (False, "no torque is called for"),
-        "twist_compliance": (False, "hinges turn about their axes only"),
+    assert {name for name, (acts, _) in bare.items() if acts} == {"gravity"}
+    of_its_own = {  # what a design may have, and this one has not
+        "gravity": "-9.81 m/s² along z unless a scene says otherwise",
+        "hinge_damping": "no hinge is damped",
+        "hinge_stiffness": "no hinge has a stiffness",
+        "joint_limits": "no joint has limits narrower than ±180°",
+        "rest_angle": "every hinge rests as drawn",
+    }
+    assert {name: why for name, (_, why) in bare.items()} == {
+        kind.name: of_its_own.get(kind.name, kind.absent) for kind in EFFECTS
     }
     full = account(pendulum(stiffness=K, damping=C, rest_angle=REST), Scene())
     assert [name for name, (acts, _) in full.items() if acts] == [
@@ -210,6 +199,12 @@ def test_a_design_calls_for_what_is_not_zero() -> None:
     assert full["hinge_stiffness"][1] == "1 hinge has a stiffness"
     # a rest angle without a spring does nothing
     assert not account(pendulum(rest_angle=REST), Scene())["rest_angle"][0]
+
+
+def test_effects_of_lamcs_own_are_public() -> None:
+    for kind in EFFECTS:
+        assert getattr(lamc, kind.__name__) is kind
+        assert kind.__name__ in lamc.__all__
 
 
 def test_a_scene_calls_for_exactly_what_it_lists() -> None:

@@ -188,6 +188,50 @@ def test_a_number_out_of_bounds_is_reported_at_its_field(name: str, field: str, 
     assert "it must be above" in said or "it must be at least" in said
 
 
+def in_blocks(value: Any, indent: int, path: tuple[Any, ...], lines: list[str], at: dict[Any, int]) -> None:
+    """YAML with a line for each node, and the lines by path."""
+    for key, each in value.items() if isinstance(value, dict) else enumerate(value):
+        head = f"{' ' * indent}{f'{in_flow(key)}:' if isinstance(value, dict) else '-'}"
+        below = bool(each) and isinstance(each, dict | list)
+        lines.append(head if below else f"{head} {in_flow(each)}")
+        at[*path, key] = len(lines)
+        if below:
+            in_blocks(each, indent + 2, (*path, key), lines, at)
+
+
+def numbers(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """Paths of the numbers in it."""
+    if isinstance(value, dict | list):
+        for key, each in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from numbers(each, (*path, key))
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield path
+
+
+def put(value: Any, path: tuple[Any, ...], other: object) -> Any:
+    if not path:
+        return other
+    whole = value.copy()
+    whole[path[0]] = put(value[path[0]], path[1:], other)
+    return whole
+
+
+@pytest.mark.parametrize("name", SAMPLES)
+def test_a_number_deep_in_a_field_is_reported_at_its_own_line(name: str, tmp_path: Path) -> None:
+    """Of a laminate's plies all had been reported at the first."""
+    data, file = data_of(name), tmp_path / "scene.yaml"
+    for path in numbers(data):
+        if path[-1] in ("strips", "modes", "corners") or path[0] == "outline":
+            continue  # whole numbers have no unit
+        lines, at = ["effects:", f"  {name}:"], {}
+        in_blocks(put(data, path, "3 K"), 4, (), lines, at)
+        file.write_text("\n".join(lines) + "\n")
+        with pytest.raises(LamcError) as caught:
+            lamc.load_scene(file)
+        assert caught.value.place is not None
+        assert caught.value.place.line == at[path], str(caught.value)
+
+
 def test_all_that_is_wrong_with_an_effect_is_reported_at_once(tmp_path: Path) -> None:
     data = {**data_of("spring"), "stiffness": "3 kg", "damping": -1, "point_a": [0, 0]}
     file, at = scene_file(tmp_path, "spring", data)

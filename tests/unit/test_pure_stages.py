@@ -7,11 +7,13 @@ from pathlib import Path
 import pytest
 
 import lamc
+from lamc.examples import files, find, names
 from lamc.loops.rank import LoopCount, count_loops
 from lamc.mechanics.equations import Equations
 from lamc.mechanics.lower import lower
 from lamc.mechanism.plan import plan
 from lamc.pipeline import effects_of, equations_of
+from lamc.readers.load import load_text
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 from lamc.symbolic.program import Space
@@ -22,34 +24,37 @@ EXAMPLES = sorted(
         *Path(lamc.__file__).parent.joinpath("examples").glob("*.cad"),
     ]
 )
+MADE = sorted(set(names()) - set(files()))
 READ = ("inertia", "forces", "powers", "assignments", "mass_matrix", "operations")
 
 
 @cache
-def _mechanism(path: Path) -> Mechanism:
-    loaded = lamc.load(path)
+def _mechanism(path: Path | str) -> Mechanism:
+    """Of a file, or of an example that is made to a size."""
+    loaded = lamc.load(path) if isinstance(path, Path) else load_text(find(path).text, path)
     return lamc.split(loaded) if isinstance(loaded, lamc.Design) else loaded
 
 
-def _equations(path: Path, loops: LoopCount | None = None) -> Equations:
+def _equations(path: Path | str, loops: LoopCount | None = None) -> Equations:
     mechanism = _mechanism(path)
     scene = mechanism.scene or Scene()
     return equations_of(mechanism, effects_of(mechanism, scene), loops=loops, inputs=scene.inputs)
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.name)
+@pytest.mark.parametrize("path", [*EXAMPLES, *MADE], ids=lambda path: getattr(path, "name", path))
 @pytest.mark.quick(
     "bricard*",
     "flapping_wing*",
     "flaps*",
     "four_bar*",
     "limit_stop*",
+    "n_four_bar*",
     "pendulum*",
     "shutter*",
     "stiff_triple*",
     "vertex*",
 )
-def test_programs_do_not_depend_on_what_was_read_of_the_equations(path: Path) -> None:
+def test_programs_do_not_depend_on_what_was_read_of_the_equations(path: Path | str) -> None:
     equations = _equations(path)
     untouched = lower(equations).digest
     with_balance = lower(equations, energy_balance=True).digest

@@ -14,9 +14,10 @@ import numpy as np
 
 from lamc.basics.drawing import drawer
 from lamc.basics.errors import RequestError
+from lamc.basics.numbers import shown_number
 from lamc.basics.once import lazy
 from lamc.basics.readonly import ReadOnlyDict
-from lamc.fitting.neighbours import likeness
+from lamc.fitting.neighbours import likeness, offset
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import Setting
 from lamc.fitting.solve import Solved
@@ -270,6 +271,13 @@ def remarks(compared: tuple[Compared, ...]) -> list[str]:
                 found.append(
                     f"{each.name}: what is left of {column} is alike from row to row (correlation {alike[0]:.2f}): "
                     "the model misses something, and the intervals are too narrow"
+                )
+            off = offset(each.residuals[:, k])
+            if off:
+                found.append(
+                    f"{each.name}: the model is off {column} by {shown_number(off, each.units[k], 3)} throughout: it "
+                    "misses something, and the intervals are too narrow; if that is the sensor's, free its bias: "
+                    f"--free {column}.bias=LOW:HIGH"
                 )
     return found
 

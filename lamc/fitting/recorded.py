@@ -94,8 +94,9 @@ def run_of(
         raise RequestError(f"{name} has no rows within its run, which starts at {begin:g} s of its clock")
     recording, sight = _told(recording, sight, rows, notes)
     numbers: dict[str, float] = {f"{name}.delay": delay}
+    units = _units_of(simulator, sight)
     for key, given in sight.numbers.items():
-        found = _sensor(key, given, recording, name)
+        found = _sensor(key, given, recording, name, units)
         if isinstance(found, Unknown):
             own.append(found)
         else:
@@ -213,14 +214,26 @@ def _delay(recording: Recording) -> tuple[float, Unknown | None]:
     return 0.0, unknown(name, "delay", "delay", "s", replace(free, log=False), own, owner=recording.name)
 
 
-def _sensor(key: str, given: object, recording: Recording, name: str) -> "Unknown | float":
-    """A number of a sensor: the unknown, or the number."""
+def _units_of(simulator: Simulator, sight: Sight) -> dict[str, str]:
+    """The units of columns; "1" of what a camera sees."""
+    camera, markers = sight.recording.camera is not None, sight.recording.markers
+    signals = [signal_of(simulator, each, markers, sight.name).unit for each in sight.signals]
+    return {
+        column: "1" if camera and told.axis is not None else signals[told.base] or "1"
+        for column, told in zip(sight.columns, sight.told, strict=True)
+    }
+
+
+def _sensor(
+    key: str, given: object, recording: Recording, name: str, units: Mapping[str, str]
+) -> "Unknown | float":
+    """A number of a sensor: the unknown, or the number. units: of columns, which biases have too."""
     kind = key.rpartition(".")[2].partition("_")[0]
-    unit = _UNITS.get(kind, "1")
+    column = key.removeprefix(f"{name}.").rpartition(".")[0]
+    unit = units.get(column, "1") if kind == "bias" else _UNITS.get(kind, "1")
     if not is_range(given):
         return number_of(key, given, unit)
     free = free_of(given, key, unit)
-    column = key.removeprefix(f"{name}.").rpartition(".")[0]
     values = recording.values.get(column)
     size = 1.0
     if kind == "bias" and values is not None:

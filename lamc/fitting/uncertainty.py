@@ -26,6 +26,9 @@ _LOST = (
 _VAGUE = 1.0  # of a number's size: it may be twice as large, or nothing
 _PART = 0.05  # of the largest change of the data by one number along a direction, below which it has no part
 _SHARE = 1e-3  # of the largest share of a direction: what is as good as none, however much it is felt
+# Of the largest share: who changes as much along a direction is told no better than the others there, however little
+# the data feel it, unless that is as little as the Jacobian's errors: so many times these are none of them.
+_ALONG, _ABOVE = 0.1, 10.0
 _SNAP = 0.02  # of an exponent: to whole numbers and halves
 _AT_BOUND = 1e-6  # of a range
 
@@ -73,9 +76,10 @@ def account_of(
     pushed = scaled * (weights * residual / np.sqrt(curves))[:, None] if loss != "linear" else None
     triangle = triangle_of(scaled[:, free])
     _, singular, right = np.linalg.svd(triangle)
-    null = singular <= max(known_to * float(singular.max(initial=0.0)), noise / _LOST)
+    unknown = known_to * float(singular.max(initial=0.0))
+    null = singular <= max(unknown, noise / _LOST)
     felt = np.linalg.norm(triangle, axis=0)
-    found = _combinations(unknowns, inner, free, right[null], sizes, felt)
+    found = _combinations(unknowns, inner, free, right[null], sizes, felt, _ABOVE * unknown)
     kept = right[~null]
     spread = (kept.T / singular[~null] ** 2) @ kept
     covariance = np.full((p, p), np.nan)
@@ -86,6 +90,8 @@ def account_of(
     )
     covariance[np.ix_(free, free)] = inside * np.outer(sizes[free], sizes[free])
     errors = np.sqrt(np.diagonal(covariance)).copy()
+    hidden = sizes[free] * _hidden(right[null], singular[null], felt, noise, unknown)
+    errors[free] = np.where(hidden > _LOST * sizes[free], np.inf, np.hypot(errors[free], hidden))
     lost = {name for each in found for name in each.names}
     errors[[k for k in free if unknowns.names[k] in lost]] = np.inf
     found += _vague(unknowns, inner, free, errors, lost)
@@ -104,6 +110,17 @@ def account_of(
         reaches = within * sizes[:, None]
     intervals = _intervals(unknowns, inner, reaches, held)
     return Account(errors, intervals, correlations, tuple(found), names, noise, freedom)
+
+
+def _hidden(null: Array, singular: Array, felt: Array, noise: float, unknown: float) -> Array:
+    """Standard errors (f,), of the numbers' sizes, by directions (d, f) that count as not told, whose singular values
+    are (d,); infinite along those that are nil, as far as these are known: up to `unknown`."""
+    real = (np.abs(null) * felt > _ABOVE * unknown) & (np.abs(null) > _SHARE)
+    with np.errstate(divide="ignore"):
+        along = np.where(singular > unknown, noise / singular, np.inf)
+    parts = np.where(real, np.abs(null), 0.0)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt(np.nansum((parts * along[:, None]) ** 2, axis=0)))
 
 
 def _held(inner: Array, low: Array, high: Array) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
@@ -188,14 +205,17 @@ def _combinations(
     null: Array,
     sizes: Array,
     felt: Array,
+    least: float,
 ) -> list[Combination]:
     """Directions (d, f) without effect, each with as few unknowns as can be, in words. felt: (f,), of each unknown by
-    the data: along such a direction changes of the data cancel, and who takes part is who changes them."""
+    the data: along such a direction changes of the data cancel, and who takes part is who changes them, by `least` at
+    least, which is above the errors of what is felt."""
     found = []
     for direction in _sparse(null):
         changes = np.abs(direction) * felt
         shares = np.abs(direction) / float(np.max(np.abs(direction)))
-        part = ((changes > _PART * float(np.max(changes))) & (shares > _SHARE)) | (shares == 1.0)
+        much = (changes > _PART * float(np.max(changes))) & (shares > _SHARE)
+        part = much | ((changes > least) & (shares > _ALONG)) | (shares == 1.0)
         at = free[part]
         values = unknowns.values(inner)[at]
         chosen = [unknowns.all[k] for k in at]
@@ -238,21 +258,24 @@ def _words(names: tuple[str, ...], shares: Array, plain: Array) -> str:
     whole = " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]
     if len(names) == 1:
         return f"{whole}: these data say nothing of it"
-    ratio, difference = _snapped(shares), _snapped(plain)
+    (ratio, off), (difference, apart) = _snapped(shares), _snapped(plain)
     if len(names) == 2:
+        of_plain = {(1.0, -1.0): "sum", (1.0, 1.0): "difference"}
+        kind = of_plain.get((1.0, difference[1] / difference[0])) if difference is not None else None
+        if kind is not None and (ratio is None or apart < off):
+            return f"{whole}: only their {kind}"
         if ratio is not None:
             return f"{whole}: only their {_of_two(names, ratio)}"
-        if difference is not None and difference[0] == -difference[1]:
-            return f"{whole}: only their sum"
-        if difference is not None and difference[0] == difference[1]:
-            return f"{whole}: only their difference"
         a, b = plain[1] / plain[0], 1.0
-        return f"{whole}: only {a:+.3g} · {names[0]} {-b:+.3g} · {names[1]} (here)"
+        return f"{whole}: only {a:+.3g} · {names[0]} {-b:+.3g} · {names[1]} (here, in SI units)"
     if ratio is not None and len(set(ratio)) == 1:
         return f"{whole}: only their ratios"
     if ratio is not None:
         told = [f"{n} to the power of {each:g}" for n, each in zip(names, ratio, strict=True)]
-        return f"{whole}: all of them may grow together, {', '.join(told)}; {len(names) - 1} combinations are told"
+        return (
+            f"{whole}: all of them may grow together, {', '.join(told)} (here); "
+            f"{len(names) - 1} combinations are told"
+        )
     return f"{whole}: only {len(names) - 1} combinations of the {len(names)}"
 
 
@@ -264,14 +287,14 @@ def _of_two(names: tuple[str, ...], ratio: tuple[float, ...]) -> str:
         return "ratio"
     first, second = -b / a, 1.0  # names[0]**first * names[1]**second stays
     if first > 0.0:
-        return f"product {names[0]}^{first:.3g} · {names[1]}"
-    return f"ratio {names[1]} / {names[0]}^{-first:.3g}" if second else ""
+        return f"product {names[0]}^{first:.3g} · {names[1]} (here)"
+    return f"ratio {names[1]} / {names[0]}^{-first:.3g} (here)" if second else ""
 
 
-def _snapped(shares: Array) -> tuple[float, ...] | None:
-    """Small whole numbers in the ratio of shares; None where there are none."""
+def _snapped(shares: Array) -> tuple[tuple[float, ...] | None, float]:
+    """Small whole numbers in the ratio of shares, and how far off these are; None where there are none."""
     if not np.isfinite(shares).all() or not np.all(shares):
-        return None
+        return None, np.inf
     for unit in sorted(np.abs(shares)):
         for part in (1.0, 0.5):
             found = shares / (unit * part)
@@ -281,8 +304,8 @@ def _snapped(shares: Array) -> tuple[float, ...] | None:
                 and np.max(np.abs(whole)) <= 4.0
                 and np.all(whole)
             ):
-                return tuple(float(each) for each in whole)
-    return None
+                return tuple(float(each) for each in whole), float(np.abs(found / whole - 1.0).max())
+    return None, np.inf
 
 
 def correlated(

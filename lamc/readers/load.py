@@ -35,6 +35,7 @@ from lamc.records.design import Design, Material
 from lamc.records.drawing import Role
 from lamc.records.mechanism import Mechanism
 
+_NO_YAML = (is_fold,)  # tell formats whose text is none of YAML; each is read in `_read`
 FORMATS = (
     "a lamc design or mechanism, FOLD, SVG, DXF, a popupCAD design (.cad) or a popupCAD joint definition "
     "(.joints)"
@@ -122,7 +123,7 @@ def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> Joi
     if is_drawing(data):
         return None
     text = _text(data, str(path))
-    if is_fold(text):
+    if any(told(text) for told in _NO_YAML):
         return None
     node = compose(text, str(path), limits=limits)
     return joints_file.read_definition(node) if joints_file.is_joint_definition(node) else None

@@ -9,6 +9,7 @@ from pathlib import PurePath
 
 from lamc.basics.errors import DesignError, Place, UnsupportedError
 from lamc.readers.drawings.dxf_tags import is_dxf
+from lamc.readers.drawings.kinds import looks_like_xml
 from lamc.readers.inert import Limits, Progress
 from lamc.readers.json_text import parsed
 from lamc.records.card import SheetOptions
@@ -29,15 +30,6 @@ _FOREIGN = (
     (b"\xff\xd8\xff", "is a picture", "draw its lines over it, as SVG or DXF"),
     (b"GIF8", "is a picture", "draw its lines over it, as SVG or DXF"),
 )
-
-
-def looks_like_xml(data: bytes) -> bool:
-    """True for bytes that begin as XML does, in UTF-8 or UTF-16."""
-    head = data[:400]
-    if head[:2] in (b"\xff\xfe", b"\xfe\xff"):
-        head = head[2:].replace(b"\0", b"")
-    head = head.removeprefix(b"\xef\xbb\xbf").lstrip()
-    return head[:1] == b"<" and (head[1:2].isalpha() or head[1:2] in (b"!", b"?", b"_"))
 
 
 def is_drawing(data: bytes) -> bool:

@@ -15,8 +15,8 @@ import numpy as np
 
 from lamc.basics.errors import DesignError, LamcError, Place
 from lamc.readers.drawings.curves import Outline, size_of
+from lamc.readers.drawings.kinds import looks_like_xml
 from lamc.readers.drawings.notes import Notes
-from lamc.readers.drawings.reading import looks_like_xml
 from lamc.readers.drawings.roles import layer_angle
 from lamc.readers.drawings.svg_lengths import LARGEST, Scale, scale_of
 from lamc.readers.drawings.svg_roles import ShapeRoles

@@ -224,6 +224,42 @@ def test_a_gap_is_refused_with_the_tolerance_that_mends_it() -> None:
     assert "hinge extended: 1, by up to 0.25 mm: (20, 0) mm, path #fold" in told[0]
 
 
+def test_an_outline_without_its_last_side_is_refused_and_loses_no_facet() -> None:
+    """A path without Z: the facet beside it had been left out, and the crease taken for the rim."""
+    creases = [line((15, 0), (15, 40)), line((25, 0), (25, 40))]
+    sides = [line((0, 0), (40, 0)), line((40, 0), (40, 40)), line((40, 40), (0, 40))]
+    for rim in ([line((0, 0), (40, 0), (40, 40), (0, 40))], sides):
+        opened = [replace(each, role="border", source="path #rim") for each in rim]
+        with pytest.raises(
+            lamc.DesignError, match=r"outline is open: path #rim .border. ends at .*: close it \(Z at"
+        ):
+            read(*opened, *creases)
+        made, _ = read(*opened, line((0, 40), (0, 0), role="border"), *creases)
+        assert len(made.bodies) == 3
+    # Sides that run over their corners, and a mark that touches the rim, are none of that.
+    over = [
+        line((-2, 0), (42, 0)),
+        line((40, -2), (40, 42)),
+        line((42, 40), (-2, 40)),
+        line((0, 42), (0, -2)),
+    ]
+    made, told = read(
+        *[replace(each, role="border") for each in over], line((20, 40), (20, 48), role="border"), *creases
+    )
+    assert len(made.bodies) == 3
+    assert "line that bounds nothing" in " ".join(told)
+
+
+def test_no_tolerance_is_offered_that_would_be_refused_or_would_join_the_ends_of_a_side() -> None:
+    for far in (1.0, 5.0, 30.0):
+        with pytest.raises(lamc.DesignError, match="closes an outline") as caught:
+            read(line((0, 0), (40, 0), (40, 40), (0, 40), (0, far), role="border"))
+        assert "--heal" not in str(caught.value)
+    with pytest.raises(lamc.DesignError, match="to meet") as caught:
+        read(square(0, 0, 40), line((20, 3), (20, 40)))
+    assert "heal more" not in str(caught.value)
+
+
 def test_a_short_crease_is_left_out_where_nothing_is_to_be_healed() -> None:
     short = line((20, 0.25), (20, 40), source="path #fold")
     with pytest.raises(lamc.DesignError, match="with --heal 0, creases that end so are left out"):

@@ -31,6 +31,7 @@ from lamc.records.mechanism import Array
 DEFAULT = 1e-4  # of the drawing's size: two decimals of a pixel in a drawing of 500 leave 3e-5; a laser's kerf is more
 MOST_EDGES = 100_000  # 5 s, and far more facets than are ever run
 _ROUNDS = 50  # of parting lines where they meet; each mends what the one before it moved, three are usual
+MOST = 0.05  # of the size: lines that are farther apart were not meant to meet
 OUTLINES = frozenset[Role]({"border", "hole"})
 CREASES = frozenset[Role]({"mountain", "valley", "hinge", "undriven"})
 
@@ -50,6 +51,15 @@ def size_of(strokes: Iterable[Stroke]) -> float:
     """The wider side of the box around all strokes, m; 1 for none."""
     boxes = np.array([[s.points.min(axis=0), s.points.max(axis=0)] for s in strokes])
     return float((boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)).max()) or 1.0 if len(boxes) else 1.0
+
+
+def check_tolerance(asked: float, size: float, option: str = "--heal") -> None:
+    """Raises DesignError for a tolerance, m, within which a drawing of that size, m, would lose its shape."""
+    if asked > MOST * size:
+        raise DesignError(
+            f"the tolerance of healing is {1e3 * asked:g} mm, and the drawing {1e3 * size:.3g} mm wide: it must be at "
+            f"most {1e3 * MOST * size:.3g} mm; numbers without a unit are metres: {option} '0.1 mm'"
+        )
 
 
 def healed(strokes: Sequence[Stroke], tolerance: float) -> Graph:

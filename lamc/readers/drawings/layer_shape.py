@@ -14,7 +14,7 @@ from shapely import STRtree
 from shapely.geometry import MultiPolygon
 
 from lamc.basics.errors import DesignError
-from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, healed, size_of
+from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, check_tolerance, healed, size_of
 from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.material import material_of
 from lamc.readers.drawings.outlines import parting
@@ -170,8 +170,12 @@ def _middle(graph: Graph, edge: int) -> tuple[float, float]:
 
 
 def tolerance_of(drawing: Drawing, heal: float | None) -> float:
-    """How far lines may be off, m."""
-    return DEFAULT * size_of(drawing.strokes) if heal is None else heal
+    """How far lines may be off, m. Raises DesignError for so much that the drawing would lose its shape."""
+    size = size_of(drawing.strokes)
+    if heal is None:
+        return DEFAULT * size
+    check_tolerance(heal, size, _HEAL)
+    return heal
 
 
 def _where(layer: str | None) -> str:

@@ -13,11 +13,14 @@ import shapely
 from shapely import STRtree
 
 from lamc.basics.errors import DesignError
-from lamc.readers.drawings.heal import CREASES, OUTLINES, Graph
+from lamc.readers.drawings.heal import CREASES, MOST, OUTLINES, Graph, size_of
 from lamc.readers.drawings.telling import millimetres, name_of
 from lamc.readers.fold_groups import pieces_of
 from lamc.records.drawing import Mend, Stroke
 
+# Of the size: ends of one line that are farther apart are a side that is missing, and not to be joined.
+_SLIP = 0.02
+_CLOSING = "Z at the end of a path, or the closed flag of a polyline"
 _GAP = 0.5  # of the length of what dangles: an end that is nearer to another line was to meet it
 
 
@@ -44,11 +47,41 @@ def left_out(
     gaps = _gaps(graph, gone, tips, {v for k in kept for v in graph.edges[k]})
     if gaps:
         raise DesignError(_told(graph, strokes, gaps, tolerance, option))
+    _check_closed(graph, strokes, gone, kept)
     for k in gone:
         owner = graph.strokes[k]
         x, y = graph.points[list(graph.edges[k])].mean(axis=0).tolist()
         found.setdefault(owner, Mend("line that bounds nothing", (x, y), 0.0, name_of(strokes, owner)))
     return list(found.values())
+
+
+def _check_closed(graph: Graph, strokes: Sequence[Stroke], gone: Sequence[int], kept: Sequence[int]) -> None:
+    """Raises DesignError for an outline that goes on where nothing is parted any more: one of its sides is missing, and
+    with it the facets along it would be. What runs over a corner of an outline, or touches it, goes on beside it."""
+    ends = np.bincount(np.array(graph.edges, dtype=int).ravel(), minlength=len(graph.points))
+    rim = [k for k in kept if strokes[graph.strokes[k]].role in OUTLINES | {"cut"}]
+    around = np.bincount(
+        np.array([graph.edges[k] for k in rim], dtype=int).ravel(), minlength=len(graph.points)
+    )
+    loose = [k for k in gone if strokes[graph.strokes[k]].role in OUTLINES]
+    if not loose:
+        return
+    for piece in pieces_of(loose, _touching(graph, loose)):
+        vertices = sorted({v for k in piece for v in graph.edges[k]})
+        tips = [v for v in vertices if ends[v] == 1]
+        if tips and any(around[v] % 2 for v in vertices):
+            owner = graph.strokes[piece[0]]
+            raise DesignError(
+                f"the outline is open: {name_of(strokes, owner)} ({strokes[owner].role}) ends at "
+                f"{millimetres(graph.points[tips[0]])}, and facets along it would be lost: close it "
+                f"({_CLOSING}), or draw the side that is missing"
+            )
+
+
+def _touching(graph: Graph, edges: Sequence[int]) -> list[tuple[int, int]]:
+    """Pairs of these edges that have a vertex in common."""
+    at: dict[int, int] = {}
+    return [(at.setdefault(v, k), k) for k in edges for v in graph.edges[k]]
 
 
 def _gaps(graph: Graph, gone: Sequence[int], meant: Sequence[int], held: set[int]) -> list[_Gap]:
@@ -106,9 +139,13 @@ def _told(
     others = f", and {len(gaps) - 4} more such ends" if len(gaps) > 4 else ""
     creases = any(strokes[gap.stroke].role in CREASES for gap in gaps)
     leave = f"; with {option} 0, creases that end so are left out" if creases else ""
+    opened = any(gap.stroke == gap.other for gap in gaps)
+    enough, most = _enough(gaps[-1].apart), 1e3 * (_SLIP if opened else MOST) * size_of(strokes)
+    more = f", or heal more: {option} '{enough} mm'" if float(enough) <= most else ""
+    close = f"; {_CLOSING} closes an outline" if opened and not more else ""
     return (
         f"healed within {1e3 * tolerance:.3g} mm, lines still stop short of one another: {'; '.join(shown)}{others}. "
-        f"Draw them to meet, or heal more: {option} '{_enough(gaps[-1].apart)} mm'{leave}"
+        f"Draw them to meet{more}{close}{leave}"
     )
 
 

@@ -16,7 +16,7 @@ from lamc.basics.errors import DesignError, LamcError, Place, warn
 from lamc.design.shapes import areas
 from lamc.readers.drawings.coarser import coarser, curves_of, fewest, is_straight
 from lamc.readers.drawings.faces import faces_within, linked
-from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, healed, size_of
+from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, check_tolerance, healed, size_of
 from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.material import material_of
 from lamc.readers.drawings.outlines import hull, parting
@@ -42,7 +42,6 @@ _KINDS: dict[Role, str] = {
     "flat": "F",
 }
 _LINK = "F"
-MOST = 0.05  # of the size: lines that are farther apart were not meant to meet
 WIDER = (
     1.0,
     3.0,
@@ -143,11 +142,8 @@ def _found(strokes: Sequence[Stroke], asked: float | None, *, large: bool) -> tu
     """Facets with the tolerance that is asked for; else with the least of the usual ones with which no line stops short
     of another, or with the next that leaves no sliver as lines make that were to meet in one place."""
     size = size_of(strokes)
-    if asked is not None and asked > MOST * size:
-        raise DesignError(
-            f"the tolerance of healing is {1e3 * asked:g} mm, and the drawing {1e3 * size:.3g} mm wide: it must be at "
-            f"most {1e3 * MOST * size:.3g} mm; numbers without a unit are metres: --heal '0.1 mm'"
-        )
+    if asked is not None:
+        check_tolerance(asked, size)
     usual = [asked] if asked is not None else [factor * DEFAULT * size for factor in WIDER]
     for k, tolerance in enumerate(usual):
         try:

@@ -250,6 +250,16 @@ def test_an_outline_without_its_last_side_is_refused_and_loses_no_facet() -> Non
     assert "line that bounds nothing" in " ".join(told)
 
 
+@pytest.mark.parametrize("notch", [(10, -5, 8), (36, 16, 8), (60, 0, 8)])
+def test_a_cut_over_the_edge_of_an_outline_adds_no_material(notch: tuple[int, int, int]) -> None:
+    """A notch drawn as a closed cut: it had been taken for an outline, with what it encloses beyond the sheet."""
+    x, y, size = notch
+    made, told = read(square(0, 0, 40), HINGE, square(x, y, size, role="cut", source="rect #notch"))
+    assert sum(body.mass for body in made.bodies) / SQUARE_MM == pytest.approx(1600.0, rel=1e-12)
+    assert "line outside the material: 1" in " ".join(told)
+    assert "rect #notch" in " ".join(told)
+
+
 def test_no_tolerance_is_offered_that_would_be_refused_or_would_join_the_ends_of_a_side() -> None:
     for far in (1.0, 5.0, 30.0):
         with pytest.raises(lamc.DesignError, match="closes an outline") as caught:

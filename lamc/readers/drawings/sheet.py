@@ -256,8 +256,11 @@ def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes:
 
     points, holes = graph.points, of("hole")
     drawn, cuts, roles = of("border", "hole"), of("cut"), OUTLINES
-    # More than rounding of the area, of lines that are a billionth of the size apart.
-    if cuts and hull(points, drawn + cuts).area > (1.0 + 1e-6) * hull(points, drawn).area:
+    # More than rounding of the area, of lines that are a billionth of the size apart. Cuts that run over the edge of
+    # what outlines enclose with all creases are notches.
+    around = (1.0 + 1e-6) * hull(points, drawn).area
+    is_beyond = [hull(points, [*drawn, *more]).area > around for more in (cuts, of(*CREASES))]
+    if cuts and is_beyond[0] and (is_beyond[1] or not of("border")):
         notes.append(
             "no outline is drawn about all: cuts that enclose something are taken for outlines and holes"
         )

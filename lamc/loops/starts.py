@@ -108,8 +108,9 @@ class Starter:
 
     @on_one_thread
     def position(self, given: Mapping[str, float]) -> Array:
-        """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows. Facets
-        that may bend are flat, where there is such a position."""
+        """Angles (n,), rad, of all joints: the given ones, and the others as near to zero as closure allows in the way
+        of assembly that was drawn, where this leads there; angles count turns on the way. Facets that may bend are
+        flat, where there is such a position."""
         known = self.count.start
         if known and (known.given, known.joints) == (tuple(sorted(given.items())), self.geometry.names):
             return np.array(known.angles)
@@ -124,8 +125,9 @@ class Starter:
     def _position(self, pairs: tuple[tuple[str, float], ...]) -> Array:
         given = dict(pairs)
         wanted, free = self._given(given)
-        reached = [self._led_there(wanted, free)]
-        one_will_do = not given or self.size > LARGE
+        led = self._led_along(wanted, free)
+        reached = [self._led_there(wanted, free) if led is None else (led, 0.0)]
+        one_will_do = led is not None or not given or self.size > LARGE
         if not one_will_do or reached[0][1] > 0.0:
             random = np.random.default_rng(20260102)
             spread = random.normal(0.0, SPREAD, (TRIES - 2, self.size)) * free
@@ -178,13 +180,15 @@ class Starter:
                 break
         return reached
 
+    def _led_along(self, wanted: Array, free: Mask) -> Array | None:
+        """The position on the branch of the drawn one, if that leads there: the way of assembly that was drawn."""
+        if self.size > LARGE or self.count.accepted_gap:
+            return None
+        return led_along(self.geometry, np.zeros(self.size), wanted, free, LED)
+
     def _led_there(self, wanted: Array, free: Mask) -> tuple[Array, float]:
-        """As `_closed`, from the drawn position by steps of what is given: the same way of assembly."""
+        """As `_closed`, from the drawn position by steps of what is given, whose branch is not known to lead there."""
         place = np.zeros(self.size)
-        if self.size <= LARGE and not self.count.accepted_gap:
-            led = led_along(self.geometry, place, wanted, free, LED)
-            if led is not None:
-                return led, 0.0
         held = np.logical_not(free)
         count = max(1, min(MOST_LED, math.ceil(float(np.abs(wanted).max(initial=0.0)) / LED)))
         for step in range(1, count + 1):

@@ -176,6 +176,35 @@ def test_the_film_stays_whole_and_boards_are_cut() -> None:
     assert len(parts(dxf_lines(made["1_lower_board.dxf"])).geoms) == 6
 
 
+CREASED = """
+units: mm
+materials: {card: {density: 700, E1: 3 GPa, E2: 3 GPa, poisson: 0.3, flexible: true}}
+layers: [{name: card, material: card, thickness: 0.3}]
+shapes: [{polygon: [[0, 0], [90, 0], [90, 40], [0, 40]]}, {cut: {rect: [55, 10, 65, 20]}}]
+hinges:
+  - {name: valley, line: [[30, 40], [30, 0]], gap: 0.4, stiffness: 4e-5, rest_angle: 1.2}
+  - {name: mountain, line: [[60, 40], [60, 0]], gap: 0.4, stiffness: 4e-5, rest_angle: -1.2}
+fixed: [{rect: [0, 0, 10, 40]}]
+"""
+
+
+@pytest.mark.parametrize("kerf", [0.0, 1e-4])
+def test_creases_of_a_layer_that_bends_by_itself_are_drawn_to_be_scored(kerf: float) -> None:
+    """There had been outlines alone, and what is cut of them cannot fold."""
+    design = load_text(CREASED, "creased")
+    assert isinstance(design, Design)
+    made = cut(design, kerf=kerf)
+    lines = dxf_lines(made["1_card.dxf"])
+    scored = sorted(sorted(points.tolist()) for layer, _, points in lines if layer == "2_creases")
+    # 30 mm less the window of the second.
+    expected = [[[0.03, 0.0], [0.03, 0.04]], [[0.06, 0.0], [0.06, 0.01]], [[0.06, 0.02], [0.06, 0.04]]]
+    assert np.allclose(scored, expected, rtol=0.0, atol=1e-12)
+    assert "drawn to be scored (3 lines)" in "\n".join(told(made))
+    assert not any(layer == "2_creases" for layer, _, _ in dxf_lines(cut(example("waterbomb"))["2_film.dxf"]))
+    dashed = cut(design, hinge_style="perforated")
+    assert {layer for layer, _, _ in dxf_lines(dashed["1_card.dxf"])} == {"1_holes", "2_slits", "3_outline"}
+
+
 def test_boards_over_a_gap_are_told_and_cut_by_it_when_asked() -> None:
     design = example("waterbomb")
     as_drawn, by_gap = cut(design), cut(design, hinge_width="gap")

@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from lamc.basics.errors import ExportError
 from lamc.design.cutting import as_multipolygon
 from lamc.design.linking import millimetres
-from lamc.export.cuts.lines import SLITS, CutLine, open_line, rings_of
+from lamc.export.cuts.lines import SCORES, SLITS, CutLine, open_line, rings_of
 from lamc.export.cuts.plan import CutLayer
 
 _MITRE = 10.0  # kerfs: corners of less than 11 degrees are cut off there
@@ -24,6 +24,7 @@ _MOST = 4  # places that a note names
 def lines_of(layer: CutLayer, kerf: float) -> tuple[list[CutLine], list[str]]:
     """Lines of a layer, inner ones first, and notes. Raises ExportError where parts would hang together."""
     dashes = [open_line(line, SLITS) for line in layer.lines]
+    dashes += [open_line(line, SCORES) for line in layer.creases]
     if kerf == 0.0:
         return rings_of(list(layer.parts.geoms)) + dashes, []
     grown, lines, clash = _apart(layer, kerf, "mitre")

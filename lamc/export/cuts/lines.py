@@ -23,8 +23,9 @@ class Pen:
 
 
 # Cutters run layers by name: what lies within a part goes before the line that lets it fall out.
-HOLES, SLITS, OUTLINE, FRAME = (
+HOLES, SCORES, SLITS, OUTLINE, FRAME = (
     Pen("1_holes", "#000000", 7),
+    Pen("2_creases", "#ff00ff", 6),
     Pen("2_slits", "#00ff00", 3),
     Pen("3_outline", "#000000", 7),
     Pen("4_reference", "#808080", 8),

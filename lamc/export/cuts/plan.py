@@ -15,6 +15,7 @@ import shapely
 from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from lamc.basics.brief import counted
 from lamc.basics.errors import DesignError, ExportError
 from lamc.design.cutting import SLIT, as_multipolygon
 from lamc.design.split import split, split_steps
@@ -27,6 +28,7 @@ from lamc.records.network import listed_names
 
 SAME = 1e-9  # of areas, masses, places and inertias: what is left is the design's
 _CLEAR = 0.75  # kerfs from a tab to the hinge line: two tabs that face each other are more than a kerf apart
+_BESIDE = 2.0  # gaps from a hinge line: a board beside it begins nearer
 _BARE = 1e-3  # of a gap's strip: less of a board in it is round-off of its edges
 
 
@@ -36,6 +38,7 @@ class CutLayer:
 
     parts  what is left of it
     lines  what is cut as a line: perforations
+    creases  what is scored: hinge lines of a layer that bends by itself, without boards beside it
     slits  hinge lines that are cut through this layer, with half the width of each
     """
 
@@ -43,6 +46,7 @@ class CutLayer:
     parts: MultiPolygon
     lines: tuple[LineString, ...]
     slits: tuple[tuple[LineString, float], ...]
+    creases: tuple[LineString, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +121,9 @@ def _cut(steps: SplitSteps, k: int, style: str, sizes: tuple[float, float], widt
         parts = as_multipolygon(shapely.union(parts, shapely.difference(shapely.union_all(tabs), kept)))
     lines = [dash for h in bent for dash in _dashes(h, sizes, parts)] if style == PERFORATED else []
     drawn = tuple((h.line, half) for h, half in zip(through, halves, strict=True))
-    return CutLayer(layer, parts, tuple(lines), drawn)
+    alone = [h for h in bent if style != PERFORATED and _bends_alone(h, design)]
+    creases = tuple(piece for h in alone for piece in _within(h.line, parts))
+    return CutLayer(layer, parts, tuple(lines), drawn, creases)
 
 
 def _half_width(hinge: Hinge, width: str | float) -> float:
@@ -185,6 +191,12 @@ def _told(steps: SplitSteps, layers: Sequence[CutLayer], style: str, width: str 
             "perforations take half of the film along each hinge, and about half of its stiffness: what is drawn is "
             "not changed"
         )
+    scored = sum(len(layer.creases) for layer in layers)
+    if scored:
+        found.append(
+            f"creases of layers without boards beside are drawn to be scored ({counted(scored, 'line')}): their "
+            "stiffness is that of the design, however they are scored"
+        )
     if steps.design.facet_creases is not None:
         found.append("facets bend as they are: their creases are not cut")
     return found
@@ -199,6 +211,15 @@ def _reaches(hinge: Hinge, half: float, design: Design) -> bool:
     strip = shapely.buffer(hinge.line, half, cap_style="flat")
     boards = [design.layers[k] for k in hinge.layers if k != hinge.properties.layer]
     return any(shapely.area(shapely.intersection(strip, b.geometry)) > _BARE * strip.area for b in boards)
+
+
+def _bends_alone(hinge: Hinge, design: Design) -> bool:
+    """Whether no board lies beside the line, whose edges would say where the layer bends."""
+    beside = shapely.buffer(hinge.line, _BESIDE * hinge.properties.width, cap_style="flat")
+    others = [layer for k, layer in enumerate(design.layers) if k != hinge.properties.layer]
+    return not any(
+        shapely.area(shapely.intersection(beside, o.geometry)) > _BARE * beside.area for o in others
+    )
 
 
 def _is_covered(hinge: Hinge, design: Design, layers: Sequence[CutLayer]) -> bool:

@@ -13,6 +13,7 @@ _LAMINATE = """Within a file, cut the layers in the order of their names:
 | layer | what it is |
 |---|---|
 | `1_holes` | windows in parts, and holes for pins |
+| `2_creases` | lines to be scored, not cut through: creases of a layer without boards beside |
 | `2_slits` | lines that are cut once: perforations, slits narrower than the kerf |
 | `3_outline` | outlines of parts, which come loose |
 | `4_reference` | the edge of the sheet; not to be cut where the sheet has this size |"""

@@ -9,8 +9,11 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import PurePath
 
+import numpy as np
+import shapely
 from shapely.geometry import MultiPolygon, Point
 
+from lamc.basics.errors import warn
 from lamc.design import shapes
 from lamc.design.work import MOST_LAYERS, Account
 from lamc.readers.checking import Path, Problems, did_you_mean
@@ -176,12 +179,29 @@ class DesignReader:
                     drawn_in[layer].append(index)
         cuts = [shape.cut is not None for shape in self.model.shapes]
         sheets = self._overlaid(("shapes",), drawn_in, regions, cuts)
+        self._tell_of_vain_cuts(drawn_in, regions, cuts)
         is_drawn = any(shape.cut is None for shape in self.model.shapes)
         if self.model.shapes and not is_drawn:
             self.problems.add(("shapes",), "every shape is a cut, so there is nothing to cut from; draw one")
         elif is_drawn and self.problems.none and all(s.is_empty for s in sheets):
             self.problems.add(("shapes",), "nothing is left of the drawn shapes after the cuts")
         return sheets
+
+    def _tell_of_vain_cuts(
+        self, drawn_in: Sequence[Sequence[int]], regions: Sequence[Region | None], cuts: Sequence[bool]
+    ) -> None:
+        """Warns of a cut that meets nothing that was drawn before it, as of drawings whose y run opposite ways."""
+        for k, region in enumerate(regions):
+            if not cuts[k] or region is None:
+                continue
+            before = {i for indices in drawn_in if k in indices for i in indices if i < k and not cuts[i]}
+            drawn = [each for i in sorted(before) if (each := regions[i]) is not None]
+            if drawn and not any(region.intersects(each) for each in drawn):
+                warn(
+                    f"the cut removes nothing: it lies in {_box(region)}, and what was drawn before it in "
+                    f"{_box(*drawn)}; in SVG y runs down the page, and is read as negative",
+                    self.problems.place(("shapes", k)),
+                )
 
     def _region(self, path: Path, shape: OutlineModel) -> Region | None:
         if isinstance(shape, ShapeModel) and shape.cut is not None:
@@ -297,3 +317,9 @@ class DesignReader:
                 hint = did_you_mean(name, self.layer_names)
                 self.problems.add(path, f"no layer is named {name[:40]!r}; {hint}")
         return sorted(indices)
+
+
+def _box(*regions: Region) -> str:
+    """Where they lie, in words."""
+    x0, y0, x1, y1 = (1e3 * np.array(shapely.total_bounds(regions))).tolist()
+    return f"x from {x0:.4g} to {x1:.4g} mm, y from {y0:.4g} to {y1:.4g} mm"

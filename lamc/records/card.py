@@ -12,6 +12,9 @@ from lamc.basics.checks import checked_array, checked_kind, checked_number, is_l
 from lamc.basics.errors import DesignError
 from lamc.basics.given import GivenMaybe, GivenNumber
 from lamc.records.drawing import ROLES, Role
+from lamc.records.scene import is_bare
+
+_THICK = 0.02  # m: a sheet that is thicker was meant in mm
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,13 @@ class Card:
         parts = [part.strip() for part in text.split(",")]
         if len(parts) != 2:
             raise DesignError(f"the card is {shown(text)}; write thickness and density: '0.3 mm, 700 kg/m^3'")
-        return Card(*parts)
+        card = Card(*parts)
+        if card.thickness > _THICK and is_bare(parts[0]):
+            raise DesignError(
+                f"the card is {card.thickness:g} m thick: numbers without a unit are m; write '{parts[0]} mm, "
+                f"{parts[1]}'"
+            )
+        return card
 
 
 Facets = Literal["rigid", "bend"]

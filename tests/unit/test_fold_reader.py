@@ -450,6 +450,12 @@ def test_the_command_line_takes_what_python_takes(tmp_path: Path, capsys: pytest
     assert made.body("F1").fixed
     assert made.bodies[0].mass == pytest.approx(4e-4 * 0.5e-3 * 900.0)
     assert main.main(["split", file, "--card", "thick"], standalone_mode=False) == 2
+    # Of "0.3, 700" the thickness had been 0.3 m, without a word.
+    with pytest.raises(
+        lamc.DesignError, match="0.3 m thick: numbers without a unit are m; write '0.3 mm, 700'"
+    ):
+        lamc.Card.of("0.3, 700")
+    assert lamc.Card.of("3e-4, 700") == lamc.Card.of("0.3 mm, 700 kg/m^3")
     assert "'0.3 mm, 700 kg/m^3'" in capsys.readouterr().err
 
 

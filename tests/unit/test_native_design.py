@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import lamc
 from lamc import examples
 from lamc.basics.errors import DesignError, DesignErrors, LamcError
 from lamc.basics.units import ANGLE, ANGLE_RATE, DENSITY, LENGTH, STIFFNESS, Quantity, to_si
@@ -73,6 +74,22 @@ def test_cuts_take_material_from_the_layers_they_name(tmp_path: Path) -> None:
     # mm: 40 x 10 less a slot of 0.2 x 10; areas of overlays are good to round-off of the coordinates
     assert card.geometry.area == pytest.approx(398e-6, rel=1e-12)
     assert film.geometry.area == pytest.approx(400e-6, rel=1e-12)
+
+
+def test_a_cut_that_meets_nothing_has_a_warning_with_both_places(tmp_path: Path) -> None:
+    """As of a manifest whose body is from DXF, y up, and whose hole from SVG, y down."""
+    vain = "  - cut: {rect: [0, -30, 10, -20]}\n"
+    with pytest.warns(lamc.DesignWarning) as told:
+        cut = design(tmp_path, GOOD.replace("hinges:", f"{vain}hinges:"))
+    (text,) = [str(each.message) for each in told]
+    line = GOOD.replace("hinges:", f"{vain}hinges:").split(vain)[0].count("\n") + 1
+    assert f":{line}:" in text
+    assert (
+        "the cut removes nothing: it lies in x from 0 to 10 mm, y from -30 to -20 mm, and what was drawn"
+        in text
+    )
+    plain = design(tmp_path, GOOD)
+    assert [layer.geometry.area for layer in cut.layers] == [layer.geometry.area for layer in plain.layers]
 
 
 def test_the_hinge_bends_in_the_only_flexible_layer(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from functools import partial
 from typing import Any
 
 from lamc.basics.checks import shown
-from lamc.basics.errors import ExpressionError, RequestError
+from lamc.basics.errors import ExpressionError, RequestError, warn
 from lamc.basics.once import lazy
 from lamc.run.quantities import units_of
 from lamc.run.result import Result
@@ -34,6 +34,16 @@ Function = Callable[[Result], float]
 def outputs_of(simulator: Simulator) -> Outputs:
     """Quantities as `Result.quantity` names them; "energy.NAME" for what an effect stores, and the time, "t"."""
     named = units_of(simulator)
+    joints = {joint.name for joint in simulator.mechanism.joints}
+    if "t" in named:
+        warn(
+            "measures take t for the time, and a hinge or coordinate is named so too: rename it to measure it"
+        )
+    for hinge in sorted(joints):
+        if f"{hinge}.rate" in joints:
+            warn(
+                f"measures take {hinge}.rate for the hinge of this name, not for the rate of {hinge}: rename one"
+            )
     energies = {f"energy.{name}": "J" for name in simulator.model.energies}
     return Outputs({**named, **energies, "t": "s"}, simulator.model.guards)
 

@@ -452,7 +452,7 @@ def test_the_command_line_takes_what_python_takes(tmp_path: Path, capsys: pytest
     assert main.main(["split", file, "--card", "thick"], standalone_mode=False) == 2
     # Of "0.3, 700" the thickness had been 0.3 m, without a word.
     with pytest.raises(
-        lamc.DesignError, match="0.3 m thick: numbers without a unit are m; write '0.3 mm, 700'"
+        lamc.DesignError, match=r"0\.3 m thick: numbers without a unit are m; write '0\.3 mm, 700'"
     ):
         lamc.Card.of("0.3, 700")
     assert lamc.Card.of("3e-4, 700") == lamc.Card.of("0.3 mm, 700 kg/m^3")

@@ -17,6 +17,7 @@ from lamc.run.run_record import Event
 from lamc.studies.dimensions import factor_of, unit_of
 from lamc.studies.measures import Measure, Outputs, checked_measures, outputs_of
 from lamc.studies.samples import Samples, first_above, highest, mean, rms, value_at
+from tests.support.mechanisms import chain
 from tests.support.quick import tries
 
 NO_BREAKS = np.zeros(0)
@@ -216,3 +217,13 @@ def test_any_text_is_a_measure_or_a_refusal_of_one_line(simulator, result, text)
         assert isinstance(measure.value(result), float)
         assert Measure.parse(text, simulator).unit == measure.unit
     assert "\n" not in told
+
+
+def test_a_hinge_that_is_named_as_the_time_or_a_rate_has_a_warning():
+    """`max(t)` is of the time, and had been taken for the hinge's by who named it so."""
+    first, second = chain(2).joints
+    for names, words in ((("t", "a"), "take t for the time"), (("a", "a.rate"), "take a.rate for the hinge")):
+        renamed = [replace(joint, name=name) for joint, name in zip((first, second), names, strict=True)]
+        mechanism = replace(chain(2), joints=tuple(renamed))
+        with pytest.warns(lamc.DesignWarning, match=words):
+            outputs_of(lamc.compile(mechanism))

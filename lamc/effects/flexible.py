@@ -126,6 +126,14 @@ class FlexibleLinks(RegisteredEffect):
                 )
         return tuple(reported)
 
+    def bandwidth(self, tree: Tree) -> float:
+        """The highest natural mode that a body has, clamped at its hinge: shapes of statics beside these have
+        frequencies of no plate's."""
+        return min(
+            (float(reduced.omega[reduced.natural - 1]) for _, _, reduced in self.reductions(tree)),
+            default=math.inf,
+        )
+
     def contribute(self, loads: Loads) -> None:
         """Nothing: the stiffness of what `arrange` adds comes with it."""
 

@@ -266,7 +266,7 @@ def _whole_start(
         if not any(each.startswith(f"{name}.angles.") for each in known):
             raise RequestError(
                 f"{name} shall have its start estimated, and the mechanism has loops; name the hinges that are free to "
-                "choose: angles={'h1': (-1, 1)}, rates={'h1': (-5, 5)}"
+                "choose: angles={'h1': (-1, 1)}, rates={'h1': (-5, 5)}; --free angles.h1=-1:1 --free rates.h1=-5:5"
             )
         return []
     if len(simulator.coordinates) > len(simulator.joints):

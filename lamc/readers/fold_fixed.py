@@ -55,8 +55,12 @@ def fixed_groups(
     free = [piece for piece in pieces if not set(piece) & set(chosen)]
     if len(pieces) > 1 and free:
         notes.append(
-            f"the sheet falls into {len(pieces)} pieces that no crease joins; {len(free)} of them are fixed by a facet "
-            "in their middle"
+            f"the sheet falls into {len(pieces)} pieces that no crease joins; {len(free)} of them "
+            + (
+                "is fixed by a facet in its middle"
+                if len(free) == 1
+                else "are fixed by a facet in their middle"
+            )
         )
     return [*chosen, *(groups[_amid(set(piece), faces, size)] for piece in free)]
 

@@ -75,7 +75,7 @@ class Hinges:
             what = (
                 "creases are taken to have"
                 if driven
-                else "hinges have no spring, and are damped as if it had"
+                else "hinges have no spring, and are damped as if they had"
             )
             self.notes.append(
                 f"{what} {CREASE:g} N*mm/rad for each mm (--crease '{CREASE:g} N*mm/mm/rad' says another)"

@@ -6,6 +6,7 @@ hooks: they do nothing unless an effect overrides them.
 """
 
 import difflib
+import math
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -114,6 +115,11 @@ class Effect:
         """Where the effect may be wrong in the mechanism of that tree, in sentences, for `Simulator.notes`."""
         return ()
 
+    def bandwidth(self, tree: "Tree") -> float:
+        """Up to which angular frequency, rad/s, the coordinates that the effect adds have all motions of what bends;
+        inf: there is no limit. Of vibrations above, `Modes.notes` tells."""
+        return math.inf
+
     def carry_over(self, engine: "EngineLoads") -> None:
         """Says what the effect is in other engines, see `EngineLoads`. Exports to them refuse a scene with an effect
         that does not override this, or leave it out by request."""
@@ -170,6 +176,11 @@ def marks_of(effects: Iterable[Effect], parameters: Mapping[str, float]) -> tupl
 def notes_of(effects: Iterable[Effect], tree: "Tree") -> tuple[str, ...]:
     """What effects tell of themselves in the mechanism of that tree."""
     return tuple(note for effect in effects for note in hooked(effect).notes(tree))
+
+
+def bandwidth_of(effects: Iterable[Effect], tree: "Tree") -> float:
+    """The least bandwidth of effects, rad/s; inf where none has a limit."""
+    return min((float(hooked(effect).bandwidth(tree)) for effect in effects), default=math.inf)
 
 
 def conserves(effect: Effect, energies: Container[str]) -> bool:

@@ -23,7 +23,8 @@ def modes_text(found: Modes, count: int) -> str:
     text = table(["mode", "Hz", "rad/s", "damping", "kind", "moves"], rows)
     more = len(found.modes) - count
     tail = [f"… and {more} more, in modes.csv"] if more > 0 else []
-    return "\n".join([equilibrium_text(found.point), "", text, *tail])
+    notes = [f"note         {note}" for note in found.notes]
+    return "\n".join([equilibrium_text(found.point), *notes, "", text, *tail])
 
 
 def equilibrium_text(point: Equilibrium) -> str:
@@ -106,6 +107,7 @@ def modes_data(found: Modes, design: str, source: str) -> dict[str, Any]:
             "notes": list(point.notes),
         },
         "damped": found.has_damping,
+        "notes": list(found.notes),
         "modes": [_mode_data(mode) for mode in found.modes],
     }
 

@@ -7,6 +7,7 @@ Each mode is q(t) = q0 + Re(shape e^{λt}) of the linear model. Without damping 
 an eigenvalue of the projected Hessian over the inertia, both symmetric; else λ is one of the state matrix.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from functools import partial
@@ -20,6 +21,8 @@ from lamc.basics.checks import shown
 from lamc.basics.errors import RequestError, SimulationError
 from lamc.basics.once import lazy
 from lamc.basics.threads import on_one_thread
+from lamc.mechanism.plan import plan
+from lamc.records.effect import bandwidth_of
 from lamc.run.as_result import as_result
 from lamc.run.at_rest import Stand
 from lamc.run.chart import chart_of
@@ -42,6 +45,7 @@ _NOUGHT = (
 _STRIDE = 0.05  # rad, or of the size: of one step along the closed positions
 _CORRECTIONS = 3  # of Newton's, at each phase: from a stride's 1e-3 to round-off
 _FRAMES = 48  # of a cycle
+_SAME_MODE = 1e-3  # relative: the body by itself, but for round-off
 _REAL = 1e-6  # of a shape: a smaller imaginary part is round-off
 
 
@@ -115,6 +119,21 @@ class Modes(Unchanging):
 
     def __getitem__(self, index: int) -> Mode:
         return self.modes[index]
+
+    @lazy
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of these should know: above which frequency they are those of the reduction of what bends."""
+        limit = bandwidth_of(self.simulator.effects, plan(self.simulator.mechanism))
+        above = [
+            k + 1 for k, mode in enumerate(self.modes) if mode.angular_frequency > limit * (1.0 + _SAME_MODE)
+        ]
+        if not above:
+            return ()
+        modes = f"mode {above[0]} is" if len(above) == 1 else f"modes {above[0]} to {above[-1]} are"
+        return (
+            f"{modes} above {limit / (2.0 * math.pi):.4g} Hz, up to which the shapes of bodies that bend have all of "
+            "their motion: frequencies there are too high, or of no plate; more modes of flexible_links reach farther",
+        )
 
     @property
     def frequencies(self) -> Array:

@@ -41,6 +41,11 @@ class Outputs:
         hint = did_you_mean(name, [*self.units, *self.varied])
         if is_unit(name):
             hint = "as a unit it stands behind its number: put both into parentheses, (5 N*mm)"
+        longer = next(
+            (known for known in self.units if known.startswith(name) and not _is_plain(known)), None
+        )
+        if longer is not None:
+            hint = f'a name with other characters stands between quotes: "{longer}"'
         raise ExpressionError(f"no output of a run is named {name!r}; {hint}")
 
     def of(self, names: frozenset[str]) -> "Outputs":
@@ -49,3 +54,8 @@ class Outputs:
             {name: each[name] for name in sorted(names) if name in each} for each in (self.units, self.varied)
         )
         return Outputs(units, self.events, varied)
+
+
+def _is_plain(name: str) -> bool:
+    """Whether a name can stand without quotes."""
+    return name.isascii() and all(part.isidentifier() for part in name.split("."))

@@ -139,7 +139,9 @@ def test_that_no_hinge_has_a_spring_is_told(tmp_path: Path, angles: list[None] |
     assert [j.stiffness for j in made.joints] == [0.0]
     assert sum("is a hinge without a spring" in note for note in notes) == 1
     assert not any("creases are taken to have" in note for note in notes)
-    assert any("hinges have no spring, and are damped as if it had 0.001 N*mm/rad" in note for note in notes)
+    assert any(
+        "hinges have no spring, and are damped as if they had 0.001 N*mm/rad" in note for note in notes
+    )
 
 
 def test_an_edge_that_parts_nothing_has_the_number_of_the_file(tmp_path: Path) -> None:

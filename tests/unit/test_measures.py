@@ -222,8 +222,18 @@ def test_any_text_is_a_measure_or_a_refusal_of_one_line(simulator, result, text)
 def test_a_hinge_that_is_named_as_the_time_or_a_rate_has_a_warning():
     """`max(t)` is of the time, and had been taken for the hinge's by who named it so."""
     first, second = chain(2).joints
-    for names, words in ((("t", "a"), "take t for the time"), (("a", "a.rate"), "take a.rate for the hinge")):
-        renamed = [replace(joint, name=name) for joint, name in zip((first, second), names, strict=True)]
+    for named, words in ((("t", "a"), "take t for the time"), (("a", "a.rate"), "take a.rate for the hinge")):
+        renamed = [replace(joint, name=name) for joint, name in zip((first, second), named, strict=True)]
         mechanism = replace(chain(2), joints=tuple(renamed))
         with pytest.warns(lamc.DesignWarning, match=words):
             outputs_of(lamc.compile(mechanism))
+
+
+def test_a_name_with_a_blank_is_offered_between_quotes():
+    known = Outputs({"x y": "rad", "tip.x": "m"})
+    with pytest.raises(ExpressionError, match='between quotes: "x y"'):
+        Measure.parse("max(x)", known)
+    assert Measure.parse('max("x y")', known).unit == "rad"
+    with pytest.raises(ExpressionError) as caught:
+        Measure.parse("max(tip)", known)
+    assert "quotes" not in str(caught.value)

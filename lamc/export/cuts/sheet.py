@@ -4,6 +4,7 @@ In: the box around the parts of all layers, m; what the user says of sheets and 
 goes, the same for every layer, and the lines that are the same on all of them.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -46,7 +47,7 @@ def stock_of(
         turned = " (it would fit turned by 90 degrees)" if needed[1] <= width and needed[0] <= height else ""
         raise ExportError(
             f"--sheet (stock) is {1e3 * width:g} mm x {1e3 * height:g} mm; parts, pins and kerf need "
-            f"{1e3 * needed[0]:.6g} mm x {1e3 * needed[1]:.6g} mm{turned}"
+            f"{_up(needed[0])} mm x {_up(needed[1])} mm{turned}"
         )
     shift = 0.5 * (np.array([width, height]) - extent) - low
     page = (np.zeros(2), np.array([width, height]))
@@ -69,3 +70,8 @@ def stock_of(
         (*holes, frame),
         f"4 holes for pins of {1e3 * pins:g} mm; the upper left one stands farther in, so that no sheet is turned over",
     )
+
+
+def _up(length: float) -> str:
+    """mm, rounded up to a micrometre: a sheet of this size is large enough."""
+    return f"{math.ceil(1e6 * length - 1e-6) / 1e3:.10g}"

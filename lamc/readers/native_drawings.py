@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from shapely.geometry import MultiPolygon
+from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.errors import DesignError, LamcError, Place, warn
 from lamc.readers.drawings.roles import is_angle_note
@@ -72,6 +73,25 @@ class Drawings:
             )
         if not rests and says_angles(drawing, entry.layer):
             warn(f"{entry.file}: {_ANGLES_ARE_NOT_READ}", place)
+        return found
+
+    def lengthened(
+        self,
+        entry: DrawnModel,
+        place: Place,
+        lines: Sequence[Line],
+        material: BaseGeometry,
+        mends: list[Mend],
+    ) -> Sequence[Line]:
+        """Hinge lines of an entry, those that stop short of the edge of the material within its tolerance, drawn on to
+        that; what was mended is told, and added to `mends`."""
+        from lamc.readers.drawings.layer_shape import lengthened, told_of, tolerance_of
+
+        drawing = self._drawing(entry, "hinge", place)
+        found, made = lengthened(lines, material, tolerance_of(drawing, entry.heal))
+        for note in told_of(made, entry.heal, drawing):
+            warn(f"{entry.file}: {note}", place)
+        mends += [replace(mend, source=f"{entry.file}: {mend.source}") for mend in made]
         return found
 
     def _once(self, take: Any, role: Role, entry: DrawnModel, place: Place, mends: list[Mend]) -> Any:

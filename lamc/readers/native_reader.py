@@ -76,7 +76,7 @@ class DesignReader:
         self._check_names()
         geometry = self._draw()
         fixed = self._fixed()
-        found = [self._hinge(i, hinge) for i, hinge in enumerate(model.hinges)]
+        found = [self._hinge(i, hinge, geometry) for i, hinge in enumerate(model.hinges)]
         hinges = tuple(hinge for hinge in found if hinge is not None)
         names = tuple(self._body_name(name, body) for name, body in model.bodies.items())
         scene, scenes = read_scenes(
@@ -245,9 +245,18 @@ class DesignReader:
         found = [] if body.layer is None else self._layers([body.layer], ("bodies", name, "layer"))
         return BodyName(name, Point(body.at), found[0] if len(found) == 1 else None)
 
-    def _hinge(self, index: int, hinge: HingeModel) -> HingeSet | None:
+    def _hinge(self, index: int, hinge: HingeModel, sheets: Sequence[MultiPolygon]) -> HingeSet | None:
         path: Path = ("hinges", index)
         ends, line_paths = self._lines(path, hinge)
+        layer = self._hinge_layer(path, hinge.layer)
+        through = self._layers(hinge.layers, (*path, "layers"))
+        if isinstance(hinge.lines, DrawnModel) and layer is not None and ends:
+            at: Path = (*path, "lines")
+            material = shapely.union_all([sheets[k] for k in sorted({layer, *through})])
+            take = partial(
+                self.drawings.lengthened, hinge.lines, self.problems.place(at), ends, material, self.mends
+            )
+            ends = self.problems.attempt(at, take) or ends
         names = line_names(hinge, len(ends))
         check_line_names(names, self.hinge_names, path, self.problems)
         lines: list[HingeLine] = []
@@ -255,8 +264,6 @@ class DesignReader:
             line = self.problems.attempt(at, partial(shapes.line, start, end))
             if line is not None:
                 lines.append(HingeLine(line, name, self.problems.place(at)))
-        layer = self._hinge_layer(path, hinge.layer)
-        through = self._layers(hinge.layers, (*path, "layers"))
         if layer is None or not lines:
             return None
         limits = hinge.limits or (-math.pi, math.pi)

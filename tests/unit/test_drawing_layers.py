@@ -201,6 +201,26 @@ def test_cuts_and_fixed_regions_come_from_drawings_too(tmp_path: Path) -> None:
     assert [region.area for region in made.fixed] == pytest.approx([0.0, 100e-6])
 
 
+def test_hinge_lines_that_stop_short_of_the_material_are_drawn_on_to_its_edge(tmp_path: Path) -> None:
+    """Within `heal:`, which had no effect on them; beyond, and where they end amid the material, they stay."""
+    short = '<path d="M20 0.03 V19.98" id="j1"/><path d="M30 0 V12" id="j2"/>'
+    healing = SMALL.replace("layer: joint}", "layer: joint, heal: 0.1 mm}")
+    made, told = small(tmp_path, BODY, short, healing)
+    found = [each.line for each in made.hinges[0].lines]
+    expected = [((0.02, 0.0), (0.02, 0.02)), ((0.03, 0.0), (0.03, 0.012))]
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-15)
+    assert [(mend.what, round(mend.moved, 12)) for mend in made.mends] == [
+        ("hinge extended", 3e-5),
+        ("hinge extended", 2e-5),
+    ]
+    assert any("healed: hinge extended: 2, by up to 0.03 mm: (20, 0) mm" in each for each in told)
+    plain, _ = small(tmp_path, BODY, short)
+    np.testing.assert_allclose(
+        plain.hinges[0].lines[0].line, ((0.02, 3e-5), (0.02, 0.01998)), rtol=0.0, atol=1e-15
+    )
+    assert plain.mends == ()
+
+
 def test_mends_are_kept_told_and_drawn(tmp_path: Path) -> None:
     body = BODY.replace("M0 0 L40 0", "M0.03 0 L40 0")
     with pytest.raises(

@@ -12,6 +12,7 @@ import numpy as np
 import shapely
 from shapely import STRtree
 from shapely.geometry import MultiPolygon
+from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.errors import DesignError
 from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, check_tolerance, healed, size_of
@@ -93,6 +94,32 @@ def lines_of(
         (x0, y0), (x1, y1) = places[0], places[-1]
         found.append(((x0, y0), (x1, y1)))
     return tuple(sorted(found, key=lambda line: (min(line), max(line)))), graph.mends
+
+
+def lengthened(
+    lines: Sequence[Line], material: BaseGeometry, tolerance: float
+) -> tuple[tuple[Line, ...], list[Mend]]:
+    """The lines, those that end within material, and within a tolerance, m, of its edge, drawn on to that."""
+    found: list[Line] = []
+    mends: list[Mend] = []
+    if material.is_empty:
+        return tuple(lines), mends
+    edge = shapely.boundary(material)
+    for start, end in lines:
+        made = []
+        for tip, other in ((start, end), (end, start)):
+            way = np.subtract(tip, other)
+            reach = np.array(tip) + tolerance / float(np.hypot(*way)) * way
+            meets = shapely.intersection(edge, shapely.LineString([tip, reach]))
+            apart = float(shapely.distance(meets, shapely.Point(tip))) if not meets.is_empty else 0.0
+            if apart > 0.0 and shapely.contains_xy(material, *tip):
+                on = np.array(tip) + apart / float(np.hypot(*way)) * way
+                mends.append(Mend("hinge extended", (float(on[0]), float(on[1])), apart, "a hinge line"))
+                made.append((float(on[0]), float(on[1])))
+            else:
+                made.append(tip)
+        found.append((made[0], made[1]))
+    return tuple(found), mends
 
 
 def in_a_row(lines: Sequence[Line], tolerance: float) -> list[Point]:

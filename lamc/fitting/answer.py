@@ -272,7 +272,7 @@ def remarks(compared: tuple[Compared, ...]) -> list[str]:
                     f"{each.name}: what is left of {column} is alike from row to row (correlation {alike[0]:.2f}): "
                     "the model misses something, and the intervals are too narrow"
                 )
-            off = offset(each.residuals[:, k])
+            off = offset(each.residuals[:, k], float(np.nanmax(np.abs(each.measured[:, k]), initial=0.0)))
             if off:
                 found.append(
                     f"{each.name}: the model is off {column} by {shown_number(off, each.units[k], 3)} throughout: it "

@@ -13,6 +13,8 @@ _SURE, _ONE_SIDED = (
     0.3,
 )  # standard errors of a mean that is none of noise's, and of the spread that it is worth a word
 
+_SEEN, _STEADY = 1e-3, 0.5  # of what was measured; of the mean, what is left of it in each third of the run
+
 
 def likeness(residual: Array) -> tuple[float, int] | None:
     """The correlation of neighbouring residuals (m,), NaN: gaps, and of how many; None where there are too few, or all
@@ -24,9 +26,12 @@ def likeness(residual: Array) -> tuple[float, int] | None:
     return float(np.sum(r[1:] * r[:-1]) / np.sum(r * r)), len(r)
 
 
-def offset(residual: Array) -> float:
-    """The mean of residuals (m,), NaN: gaps, where it is no noise of their spread; else zero."""
+def offset(residual: Array, size: float) -> float:
+    """The mean of residuals (m,), NaN: gaps, where all along the run it is no noise of their spread, and more than a
+    thousandth of the size of what was measured; else zero."""
     r = residual[np.isfinite(residual)]
-    spread = float(r.std()) if len(r) >= _FEWEST else 0.0
-    mean = float(r.mean()) if len(r) else 0.0
-    return mean if spread and abs(mean) > max(_SURE / np.sqrt(len(r)), _ONE_SIDED) * spread else 0.0
+    if len(r) < _FEWEST:
+        return 0.0
+    mean, least = float(r.mean()), max(_SURE / np.sqrt(len(r)), _ONE_SIDED) * float(r.std())
+    thirds = [float(part.mean()) / mean if mean else 0.0 for part in np.array_split(r, 3)]
+    return mean if abs(mean) > max(least, _SEEN * size) and min(thirds) > _STEADY else 0.0

@@ -191,15 +191,28 @@ class DesignReader:
         self, drawn_in: Sequence[Sequence[int]], regions: Sequence[Region | None], cuts: Sequence[bool]
     ) -> None:
         """Warns of a cut that meets nothing that was drawn before it, as of drawings whose y run opposite ways."""
-        for k, region in enumerate(regions):
-            if not cuts[k] or region is None:
+        vain: dict[int, list[Region]] = {
+            k: [] for k, region in enumerate(regions) if cuts[k] and region is not None
+        }
+        for indices in {tuple(each) for each in drawn_in}:
+            drawn = [(k, each) for k in indices if not cuts[k] and (each := regions[k]) is not None]
+            asked = [k for k in indices if k in vain]
+            if not asked or not drawn:
                 continue
-            before = {i for indices in drawn_in if k in indices for i in indices if i < k and not cuts[i]}
-            drawn = [each for i in sorted(before) if (each := regions[i]) is not None]
-            if drawn and not any(region.intersects(each) for each in drawn):
+            tree = shapely.STRtree([each for _, each in drawn])
+            which, met = tree.query([regions[k] for k in asked], predicate="intersects")
+            for place, other in zip(which.tolist(), met.tolist(), strict=True):
+                if drawn[other][0] < asked[place]:
+                    vain.pop(asked[place], None)
+            for k in asked:
+                if k in vain:
+                    vain[k] += [each for i, each in drawn if i < k]
+        for k, before in vain.items():
+            region = regions[k]
+            if before and region is not None:
                 warn(
                     f"the cut removes nothing: it lies in {_box(region)}, and what was drawn before it in "
-                    f"{_box(*drawn)}; in SVG y runs down the page, and is read as negative",
+                    f"{_box(*before)}; in SVG y runs down the page, and is read as negative",
                     self.problems.place(("shapes", k)),
                 )
 

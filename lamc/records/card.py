@@ -44,7 +44,7 @@ class Card:
         if card.thickness > _THICK and is_bare(parts[0]):
             raise DesignError(
                 f"the card is {card.thickness:g} m thick: numbers without a unit are m; write '{parts[0]} mm, "
-                f"{parts[1]}'"
+                f"{parts[1]}', or '{parts[0]} m, {parts[1]}' if that is meant"
             )
         return card
 

@@ -233,7 +233,7 @@ def _from_csv(path: Path, units: Mapping[str, str]) -> Points:
         raise DesignError(
             "a file of points has a line of names and a line for each point", Place(str(path), 1)
         )
-    heads = [_head(cell) for cell in rows[0][1]]
+    heads = [_head(cell, units) for cell in rows[0][1]]
     names = tuple(name for name, _ in heads)
     try:
         for name in names:
@@ -262,13 +262,15 @@ def _separator(text: str) -> str:
     return max(",;\t", key=first.count)
 
 
-def _head(cell: str) -> tuple[str, str]:
-    """Name and unit of "length (mm)" or "length[mm]"; the unit may be missing."""
+def _head(cell: str, known: Mapping[str, str]) -> tuple[str, str]:
+    """Name and unit of "length (mm)" or "length[mm]"; the unit may be missing. known: names, which may end in a bracket
+    themselves."""
+    whole = cell.strip()
     for left, right in ("()", "[]"):
-        name, bracket, unit = cell.strip().rpartition(left)
-        if name and bracket and unit.endswith(right):
+        name, bracket, unit = whole.rpartition(left)
+        if name and bracket and unit.endswith(right) and whole not in known:
             return name.strip(), unit[:-1].strip()
-    return cell.strip(), ""
+    return whole, ""
 
 
 def sample_words(text: str) -> tuple[str, int]:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from lamc.fitting.answer import Compared
+from lamc.fitting.neighbours import offset
 
 T = np.linspace(0.0, 2.0, 201)
 NOISE = 1e-3 * np.random.default_rng(0).normal(size=len(T))
@@ -36,3 +37,19 @@ def test_only_what_was_recorded_at_rest_is_called_so(
 ) -> None:
     compared = Compared("run", T, ("h",), ("rad",), measured[:, None], predicted[:, None])
     assert compared.share_text("h").startswith(text)
+
+
+@pytest.mark.parametrize(
+    ("residual", "told"),
+    [
+        (0.02 + NOISE, True),
+        (np.full(len(T), 0.1), True),  # a sensor that stands still elsewhere
+        (1e-4 + 1e-5 * NOISE, False),  # of a swing of 1.3 rad: a recording of five digits
+        (0.2 * np.exp(-5.0 * T), False),  # which is alike from row to row, and over at the end
+        (NOISE, False),
+        (np.full(5, 0.1), False),
+    ],
+)
+def test_what_lies_to_one_side_all_along_has_an_offset(residual: np.ndarray, told: bool) -> None:
+    found = offset(residual, 1.3)
+    assert (found == pytest.approx(np.mean(residual))) if told else found == 0.0

@@ -260,6 +260,25 @@ def test_a_cut_over_the_edge_of_an_outline_adds_no_material(notch: tuple[int, in
     assert "rect #notch" in " ".join(told)
 
 
+def test_cuts_about_creases_that_no_outline_has_are_outlines() -> None:
+    """A piece whose rim is drawn as a cut, beside one with an outline, about a window, beside a title block."""
+    beside = [square(50, 0, 40, role="cut"), line((70, 0), (70, 40))]
+    made, _ = read(square(0, 0, 40), HINGE, *beside)
+    assert (len(made.bodies), len(made.joints)) == (4, 2)
+    window = square(10, 10, 5)
+    made, _ = read(window, square(0, 0, 40, role="cut"), HINGE)
+    assert sum(body.mass for body in made.bodies) / SQUARE_MM == pytest.approx(1600.0 - 25.0, rel=1e-12)
+    made, _ = read(square(100, 0, 20), *beside)
+    assert len(made.joints) == 1
+
+
+def test_outlines_that_run_over_a_junction_with_an_inner_one_are_closed() -> None:
+    """Two cells of five lines, drawn some millimetres too long."""
+    lines = [line((-3, y), (43, y)) for y in (0, 20)] + [line((x, -3), (x, 23)) for x in (0, 20, 40)]
+    made, _ = read(*[replace(each, role="border") for each in lines], line((0, 10), (20, 10)))
+    assert [body.mass / SQUARE_MM for body in made.bodies] == pytest.approx([200.0, 200.0, 400.0])
+
+
 def test_no_tolerance_is_offered_that_would_be_refused_or_would_join_the_ends_of_a_side() -> None:
     for far in (1.0, 5.0, 30.0):
         with pytest.raises(lamc.DesignError, match="closes an outline") as caught:

@@ -1,6 +1,7 @@
 """Sweeps: what a point gives, whoever computes it and however often it is stopped; and what is refused beforehand."""
 
 import json
+import math
 import signal
 import subprocess
 import sys
@@ -205,6 +206,12 @@ def test_points_come_from_a_file(tmp_path):
     ):
         path.write_text(text)
         assert given_points(path, units).values == pytest.approx(found.values[:2], rel=1e-15)
+    path.write_text("angles.hinge(left) [deg],angles.hinge\n90,0.1\n")  # a name that ends in a bracket
+    turned = given_points(path, {"angles.hinge(left)": "rad", "angles.hinge": "rad"})
+    assert turned.values == pytest.approx(np.array([[math.pi / 2, 0.1]]), rel=1e-15)
+    path.write_text("angles.hinge(left),angles.hinge\n1,0.1\n")
+    turned = given_points(path, {"angles.hinge(left)": "rad", "angles.hinge": "rad"})
+    assert turned.names == ("angles.hinge(left)", "angles.hinge")
     for text, words in (
         ("length\n", "a line for each point"),
         ("lengh\n1\n", "points.csv:1: nothing that can be varied is named 'lengh'; did you mean 'length'?"),

@@ -48,6 +48,8 @@ def shape_of(
     only = all(stroke.role == "hole" for stroke in drawn)
     strokes = [s if s.role == "hole" and not only else replace(s, role="border") for s in drawn]
     tolerance = tolerance_of(drawing, heal)
+    if heal is not None:
+        check_tolerance(heal, size_of(drawing.strokes), _HEAL)
     graph = healed(strokes, tolerance)
     kept = parting(graph.points, graph.edges)
     loose = left_out(graph, strokes, kept, tolerance, _HEAL)
@@ -197,12 +199,8 @@ def _middle(graph: Graph, edge: int) -> tuple[float, float]:
 
 
 def tolerance_of(drawing: Drawing, heal: float | None) -> float:
-    """How far lines may be off, m. Raises DesignError for so much that the drawing would lose its shape."""
-    size = size_of(drawing.strokes)
-    if heal is None:
-        return DEFAULT * size
-    check_tolerance(heal, size, _HEAL)
-    return heal
+    """How far lines may be off, m."""
+    return DEFAULT * size_of(drawing.strokes) if heal is None else heal
 
 
 def _where(layer: str | None) -> str:

@@ -20,6 +20,7 @@ from lamc.records.drawing import Mend, Stroke
 
 # Of the size: ends of one line that are farther apart are a side that is missing, and not to be joined.
 _SLIP = 0.02
+_ON = 1e-6  # of the root of an area: what is nearer to its border lies on it
 _CLOSING = "Z at the end of a path, or the closed flag of a polyline"
 _GAP = 0.5  # of the length of what dangles: an end that is nearer to another line was to meet it
 
@@ -59,13 +60,13 @@ def _check_closed(graph: Graph, strokes: Sequence[Stroke], gone: Sequence[int], 
     """Raises DesignError for an outline that goes on where nothing is parted any more: one of its sides is missing, and
     with it the facets along it would be. What runs over a corner of an outline, or touches it, goes on beside it."""
     ends = np.bincount(np.array(graph.edges, dtype=int).ravel(), minlength=len(graph.points))
-    rim = [k for k in kept if strokes[graph.strokes[k]].role in OUTLINES | {"cut"}]
-    around = np.bincount(
-        np.array([graph.edges[k] for k in rim], dtype=int).ravel(), minlength=len(graph.points)
-    )
     loose = [k for k in gone if strokes[graph.strokes[k]].role in OUTLINES]
     if not loose:
         return
+    rim = [k for k in _about_all(graph, kept) if strokes[graph.strokes[k]].role in OUTLINES | {"cut"}]
+    around = np.bincount(
+        np.array([graph.edges[k] for k in rim], dtype=int).ravel(), minlength=len(graph.points)
+    )
     for piece in pieces_of(loose, _touching(graph, loose)):
         vertices = sorted({v for k in piece for v in graph.edges[k]})
         tips = [v for v in vertices if ends[v] == 1]
@@ -76,6 +77,17 @@ def _check_closed(graph: Graph, strokes: Sequence[Stroke], gone: Sequence[int], 
                 f"{millimetres(graph.points[tips[0]])}, and facets along it would be lost: close it "
                 f"({_CLOSING}), or draw the side that is missing"
             )
+
+
+def _about_all(graph: Graph, kept: Sequence[int]) -> list[int]:
+    """Of the edges that part something those with nothing enclosed on one side."""
+    lines = shapely.linestrings(
+        graph.points[np.array([graph.edges[k] for k in kept], dtype=int).reshape(-1, 2)]
+    )
+    enclosed = shapely.union_all(shapely.get_parts(shapely.polygonize(lines)))
+    middles = shapely.line_interpolate_point(lines, 0.5, normalized=True)
+    apart = shapely.distance(shapely.boundary(enclosed), middles)
+    return [k for k, far in zip(kept, apart.tolist(), strict=True) if far <= _ON * math.sqrt(enclosed.area)]
 
 
 def _touching(graph: Graph, edges: Sequence[int]) -> list[tuple[int, int]]:

@@ -4,6 +4,7 @@ In: a `Drawing`, and what a user says of the sheet. Out: a `Mechanism` with its 
 Never: changes a line without a mend.
 """
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -258,9 +259,11 @@ def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes:
     drawn, cuts, roles = of("border", "hole"), of("cut"), OUTLINES
     # More than rounding of the area, of lines that are a billionth of the size apart. Cuts that run over the edge of
     # what outlines enclose with all creases are notches.
-    around = (1.0 + 1e-6) * hull(points, drawn).area
-    is_beyond = [hull(points, [*drawn, *more]).area > around for more in (cuts, of(*CREASES))]
-    if cuts and is_beyond[0] and (is_beyond[1] or not of("border")):
+    within = hull(points, drawn)
+    middles = points[np.array(of(*CREASES), dtype=int).reshape(-1, 2)].mean(axis=1)
+    far = 1e-6 * math.sqrt(within.area)
+    is_outside = bool((shapely.distance(within, shapely.points(middles)) > far).any()) or not of("border")
+    if cuts and is_outside and hull(points, drawn + cuts).area > (1.0 + 1e-6) * within.area:
         notes.append(
             "no outline is drawn about all: cuts that enclose something are taken for outlines and holes"
         )

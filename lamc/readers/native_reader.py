@@ -308,7 +308,10 @@ class DesignReader:
         """Index of the layer that bends: the named one, or the only flexible one."""
         if name is not None:
             found = self._layers([name], (*path, "layer"))
-            return found[0] if found and name != ALL_LAYERS else None
+            if found and name != ALL_LAYERS:
+                self._tell_of_a_board(path, found[0])
+                return found[0]
+            return None
         materials = self.model.materials
         flexible = [
             i
@@ -324,6 +327,22 @@ class DesignReader:
             f"the hinge names no layer, and {len(flexible)} layers are flexible; say which bends: layer: …",
         )
         return None
+
+    def _tell_of_a_board(self, path: Path, index: int) -> None:
+        """Warns of a hinge in a layer that is said to be rigid, where another one is to bend."""
+        materials = [self.model.materials.get(layer.material) for layer in self.model.layers]
+        chosen = materials[index]
+        bends = [
+            layer.name
+            for layer, each in zip(self.model.layers, materials, strict=True)
+            if each is not None and each.flexible
+        ]
+        if chosen is not None and chosen.rigid and not chosen.flexible and bends:
+            warn(
+                f"the hinge bends in layer {self.layer_names[index]!r}, whose material is rigid: so much of a board "
+                f"bends as film does; flexible {'is' if len(bends) == 1 else 'are'} {', '.join(map(repr, bends[:4]))}",
+                self.problems.place((*path, "layer")),
+            )
 
     def _layers(self, names: Sequence[str], path: Path) -> list[int]:
         """Indices of the named layers, ascending; unknown names become problems."""

@@ -98,6 +98,15 @@ def test_the_hinge_bends_in_the_only_flexible_layer(tmp_path: Path) -> None:
     assert record.hinges[0].sublaminate == (0, 1)
 
 
+def test_a_hinge_in_a_board_has_a_warning(tmp_path: Path) -> None:
+    told = GOOD.replace("{name: h,", "{name: h, layer: card,")
+    with pytest.warns(
+        lamc.DesignWarning, match=r"bends in layer 'card', whose material is rigid.* flexible is 'film'"
+    ):
+        record = design(tmp_path, told)
+    assert record.hinges[0].layer == 0
+
+
 def test_a_disc_has_the_area_of_its_circle(tmp_path: Path) -> None:
     text = GOOD + "  - circle: {center: [50, 50], radius: 4}\n"
     fixed = design(tmp_path, text).fixed[0]

@@ -134,6 +134,7 @@ def test_loops_stay_closed_over_a_hundred_thousand_steps(name: str, pairs: Any) 
 
 @pytest.mark.parametrize("count", [2, 5])
 @pytest.mark.slow
+@pytest.mark.ci("2")
 def test_passages_through_a_singular_position_keep_branch_and_energy(count: int, pairs: Any) -> None:
     """The N-four-bar lies in one line twice a turn, where each of its parallelograms could flip; with five of them J is
     no array any more. Ten seconds have ten passages, met by each length of step at other distances: right on one, or$

@@ -377,7 +377,7 @@ DEVICES: dict[str, Callable[[], lamc.Design | Mechanism]] = {
 
 @pytest.mark.quick("samples-dop853-")
 @pytest.mark.ci(
-    "a loop-dop853-*",
+    "a loop-dop853- -DLAMC_ONE_LANE",
     "samples-*-",
     "impacts-dop853-",
     "a series-dop853- -DLAMC_ONE_LANE",

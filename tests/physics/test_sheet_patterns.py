@@ -113,6 +113,7 @@ def test_a_ring_around_many_vertices_is_no_loop_though_it_is_as_short(rings: int
 @pytest.mark.filterwarnings("ignore::lamc.DesignWarning")
 @pytest.mark.parametrize("rings", [4, 7, 12])
 @pytest.mark.quick("4")
+@pytest.mark.ci("4", "7")
 def test_a_pleated_square_of_triangles_folds_in_one_way(rings: int, tmp_path: Path) -> None:
     """Three hinges for each vertex and one more. The rotations at each vertex, by scipy, come to none."""
     mechanism = lamc.load(write(tmp_path / "hypar.fold", hypar(rings)))

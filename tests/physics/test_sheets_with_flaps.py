@@ -49,6 +49,7 @@ def test_flaps_add_their_freedoms_and_nothing_else(tmp_path: Path, side: int, ev
 
 
 @pytest.mark.quick("3-12")
+@pytest.mark.ci("3-*", "7-1")
 @pytest.mark.parametrize(("side", "every"), [(3, 12), (3, 1), (7, 7), (7, 1)])
 def test_a_rounded_sheet_with_flaps_folds_as_the_exact_one_does(
     tmp_path: Path, side: int, every: int

@@ -34,7 +34,8 @@ def shown(value: object) -> str:
 def did_you_mean(word: str, known: Sequence[str]) -> str:
     """A hint that ends a message about an unknown word."""
     known = list(dict.fromkeys(known))
-    close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+    close = [name for name in known if name.lower() == word.lower()]
+    close = close or difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     if close:
         return f"did you mean {close[0]!r}?"
     listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")

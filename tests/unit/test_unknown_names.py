@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 import lamc
 from lamc import examples
+from lamc.basics.checks import did_you_mean
 from lamc.basics.errors import LamcError
 from lamc.cli import main
 from lamc.records.effect import Effect
@@ -119,3 +120,11 @@ def test_python_is_told_as_well(what: str) -> None:
         for effects in ([], [lamc.FreeBase()]):
             with pytest.raises(LamcError, match="'h22', which is not there; did you mean 'h2'"):
                 lamc.compile(made, lamc.Scene(**{what: {"h22": 0.1}}, effects=effects))  # type: ignore[arg-type]
+
+
+def test_a_name_in_other_letters_is_offered() -> None:
+    """`W` for `w` is nearer to no name by its letters."""
+    known = ["link_1.mass", "gravity.z", "w", "L1"]
+    assert did_you_mean("W", known) == "did you mean 'w'?"
+    assert did_you_mean("l1", known) == "did you mean 'L1'?"
+    assert did_you_mean("x", known).startswith("known are link_1.mass")

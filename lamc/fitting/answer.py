@@ -74,7 +74,7 @@ class Compared:
         measured, predicted = self.measured[rows, k], self.predicted[rows, k]
         stands = _stands_still(predicted) or float(np.ptp(predicted)) < self.rms[column]
         if _stands_still(measured):
-            moves = f"{float(np.ptp(predicted)):.3g} {self.units[k]}".removesuffix(" 1")
+            moves = shown_number(float(np.ptp(predicted)), self.units[k], 3)
             return "at rest" if stands else f"stands still, and the model moves by {moves}"
         return "at rest" if stands and not _is_alike(likeness(measured)) else f"{share:.2%}"
 

@@ -8,12 +8,10 @@ import numpy as np
 from lamc.run.request import Array
 
 _FEWEST = 20  # rows, of which a correlation says something
-_SURE, _ONE_SIDED = (
-    5.0,
-    0.3,
-)  # standard errors of a mean that is none of noise's, and of the spread that it is worth a word
-
-_SEEN, _STEADY = 1e-3, 0.5  # of what was measured; of the mean, what is left of it in each third of the run
+# A mean that is worth a word: standard errors, as none of noise's has (one of two million), and of the spread, as less
+# hardly shifts what is fitted; of what was measured, as recordings of three digits have less; and in each third of the
+# run so much of it, as it is no offset that comes or goes.
+_SURE, _ONE_SIDED, _LEAST, _STEADY = 5.0, 0.3, 1e-3, 0.5
 
 
 def likeness(residual: Array) -> tuple[float, int] | None:
@@ -34,4 +32,4 @@ def offset(residual: Array, size: float) -> float:
         return 0.0
     mean, least = float(r.mean()), max(_SURE / np.sqrt(len(r)), _ONE_SIDED) * float(r.std())
     thirds = [float(part.mean()) / mean if mean else 0.0 for part in np.array_split(r, 3)]
-    return mean if abs(mean) > max(least, _SEEN * size) and min(thirds) > _STEADY else 0.0
+    return mean if abs(mean) > max(least, _LEAST * size) and min(thirds) > _STEADY else 0.0

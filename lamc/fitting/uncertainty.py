@@ -285,10 +285,10 @@ def _of_two(names: tuple[str, ...], ratio: tuple[float, ...]) -> str:
         return "product"
     if a == b:
         return "ratio"
-    first, second = -b / a, 1.0  # names[0]**first * names[1]**second stays
+    first = -b / a  # names[0]**first * names[1] stays
     if first > 0.0:
         return f"product {names[0]}^{first:.3g} · {names[1]} (here)"
-    return f"ratio {names[1]} / {names[0]}^{-first:.3g} (here)" if second else ""
+    return f"ratio {names[1]} / {names[0]}^{-first:.3g} (here)"
 
 
 def _snapped(shares: Array) -> tuple[tuple[float, ...] | None, float]:

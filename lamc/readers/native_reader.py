@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import PurePath
 
-import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Point
 
@@ -18,6 +17,7 @@ from lamc.design import shapes
 from lamc.design.work import MOST_LAYERS, Account
 from lamc.readers.checking import Path, Problems, did_you_mean
 from lamc.readers.fields import ALL_LAYERS
+from lamc.readers.native_doubts import bending_board, vain_cuts
 from lamc.readers.native_hinges import (
     check_angles,
     check_line_names,
@@ -179,42 +179,14 @@ class DesignReader:
                     drawn_in[layer].append(index)
         cuts = [shape.cut is not None for shape in self.model.shapes]
         sheets = self._overlaid(("shapes",), drawn_in, regions, cuts)
-        self._tell_of_vain_cuts(drawn_in, regions, cuts)
+        for index, text in vain_cuts(drawn_in, regions, cuts):
+            warn(text, self.problems.place(("shapes", index)))
         is_drawn = any(shape.cut is None for shape in self.model.shapes)
         if self.model.shapes and not is_drawn:
             self.problems.add(("shapes",), "every shape is a cut, so there is nothing to cut from; draw one")
         elif is_drawn and self.problems.none and all(s.is_empty for s in sheets):
             self.problems.add(("shapes",), "nothing is left of the drawn shapes after the cuts")
         return sheets
-
-    def _tell_of_vain_cuts(
-        self, drawn_in: Sequence[Sequence[int]], regions: Sequence[Region | None], cuts: Sequence[bool]
-    ) -> None:
-        """Warns of a cut that meets nothing that was drawn before it, as of drawings whose y run opposite ways."""
-        vain: dict[int, list[Region]] = {
-            k: [] for k, region in enumerate(regions) if cuts[k] and region is not None
-        }
-        for indices in {tuple(each) for each in drawn_in}:
-            drawn = [(k, each) for k in indices if not cuts[k] and (each := regions[k]) is not None]
-            asked = [k for k in indices if k in vain]
-            if not asked or not drawn:
-                continue
-            tree = shapely.STRtree([each for _, each in drawn])
-            which, met = tree.query([regions[k] for k in asked], predicate="intersects")
-            for place, other in zip(which.tolist(), met.tolist(), strict=True):
-                if drawn[other][0] < asked[place]:
-                    vain.pop(asked[place], None)
-            for k in asked:
-                if k in vain:
-                    vain[k] += [each for i, each in drawn if i < k]
-        for k, before in vain.items():
-            region = regions[k]
-            if before and region is not None:
-                warn(
-                    f"the cut removes nothing: it lies in {_box(region)}, and what was drawn before it in "
-                    f"{_box(*before)}; in SVG y runs down the page, and is read as negative",
-                    self.problems.place(("shapes", k)),
-                )
 
     def _region(self, path: Path, shape: OutlineModel) -> Region | None:
         if isinstance(shape, ShapeModel) and shape.cut is not None:
@@ -308,10 +280,12 @@ class DesignReader:
         """Index of the layer that bends: the named one, or the only flexible one."""
         if name is not None:
             found = self._layers([name], (*path, "layer"))
-            if found and name != ALL_LAYERS:
-                self._tell_of_a_board(path, found[0])
-                return found[0]
-            return None
+            if not found or name == ALL_LAYERS:
+                return None
+            doubt = bending_board(self.model, found[0])
+            if doubt:
+                warn(doubt, self.problems.place((*path, "layer")))
+            return found[0]
         materials = self.model.materials
         flexible = [
             i
@@ -328,22 +302,6 @@ class DesignReader:
         )
         return None
 
-    def _tell_of_a_board(self, path: Path, index: int) -> None:
-        """Warns of a hinge in a layer that is said to be rigid, where another one is to bend."""
-        materials = [self.model.materials.get(layer.material) for layer in self.model.layers]
-        chosen = materials[index]
-        bends = [
-            layer.name
-            for layer, each in zip(self.model.layers, materials, strict=True)
-            if each is not None and each.flexible
-        ]
-        if chosen is not None and chosen.rigid and not chosen.flexible and bends:
-            warn(
-                f"the hinge bends in layer {self.layer_names[index]!r}, whose material is rigid: so much of a board "
-                f"bends as film does; flexible {'is' if len(bends) == 1 else 'are'} {', '.join(map(repr, bends[:4]))}",
-                self.problems.place((*path, "layer")),
-            )
-
     def _layers(self, names: Sequence[str], path: Path) -> list[int]:
         """Indices of the named layers, ascending; unknown names become problems."""
         if list(names) == [ALL_LAYERS]:
@@ -356,9 +314,3 @@ class DesignReader:
                 hint = did_you_mean(name, self.layer_names)
                 self.problems.add(path, f"no layer is named {name[:40]!r}; {hint}")
         return sorted(indices)
-
-
-def _box(*regions: Region) -> str:
-    """Where they lie, in words."""
-    x0, y0, x1, y1 = (1e3 * np.array(shapely.total_bounds(regions))).tolist()
-    return f"x from {x0:.4g} to {x1:.4g} mm, y from {y0:.4g} to {y1:.4g} mm"

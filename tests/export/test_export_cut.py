@@ -198,7 +198,9 @@ def test_creases_of_a_layer_that_bends_by_itself_are_drawn_to_be_scored(kerf: fl
     scored = sorted(sorted(points.tolist()) for layer, _, points in lines if layer == "2_creases")
     # 30 mm less the window of the second.
     expected = [[[0.03, 0.0], [0.03, 0.04]], [[0.06, 0.0], [0.06, 0.01]], [[0.06, 0.02], [0.06, 0.04]]]
-    assert np.allclose(scored, expected, rtol=0.0, atol=1e-12)
+    assert np.allclose(
+        scored, expected, rtol=0.0, atol=1e-12
+    )  # m: round-off of mm, some 1e-17, and of pieces
     assert "drawn to be scored (3 lines)" in "\n".join(told(made))
     assert not any(layer == "2_creases" for layer, _, _ in dxf_lines(cut(example("waterbomb"))["2_film.dxf"]))
     dashed = cut(design, hinge_style="perforated")

@@ -208,7 +208,7 @@ def test_hinge_lines_that_stop_short_of_the_material_are_drawn_on_to_its_edge(tm
     made, told = small(tmp_path, BODY, short, healing)
     found = [each.line for each in made.hinges[0].lines]
     expected = [((0.02, 0.0), (0.02, 0.02)), ((0.03, 0.0), (0.03, 0.012))]
-    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-15)  # m: round-off of mm and of a sum
     assert [(mend.what, round(mend.moved, 12)) for mend in made.mends] == [
         ("hinge extended", 3e-5),
         ("hinge extended", 2e-5),

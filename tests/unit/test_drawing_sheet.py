@@ -255,7 +255,7 @@ def test_a_cut_over_the_edge_of_an_outline_adds_no_material(notch: tuple[int, in
     """A notch drawn as a closed cut: it had been taken for an outline, with what it encloses beyond the sheet."""
     x, y, size = notch
     made, told = read(square(0, 0, 40), HINGE, square(x, y, size, role="cut", source="rect #notch"))
-    assert sum(body.mass for body in made.bodies) / SQUARE_MM == pytest.approx(1600.0, rel=1e-12)
+    assert sum(body.mass for body in made.bodies) / SQUARE_MM == pytest.approx(1600.0, rel=1e-12)  # of sums
     assert "line outside the material: 1" in " ".join(told)
     assert "rect #notch" in " ".join(told)
 

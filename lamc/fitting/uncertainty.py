@@ -30,6 +30,7 @@ _SHARE = 1e-3  # of the largest share of a direction: what is as good as none, h
 # the data feel it, unless that is as little as the Jacobian's errors: so many times these are none of them.
 _ALONG, _ABOVE = 0.1, 10.0
 _SNAP = 0.02  # of an exponent: to whole numbers and halves
+_ALIKE = 1e-3  # of shares: of two numbers that are as large, a product and a sum change alike
 _AT_BOUND = 1e-6  # of a range
 
 
@@ -260,9 +261,12 @@ def _words(names: tuple[str, ...], shares: Array, plain: Array) -> str:
         return f"{whole}: these data say nothing of it"
     (ratio, off), (difference, apart) = _snapped(shares), _snapped(plain)
     if len(names) == 2:
-        of_plain = {(1.0, -1.0): "sum", (1.0, 1.0): "difference"}
-        kind = of_plain.get((1.0, difference[1] / difference[0])) if difference is not None else None
-        if kind is not None and (ratio is None or apart < off):
+        kinds = {-1.0: "sum", 1.0: "difference"}
+        kind = kinds.get(difference[1] / difference[0]) if difference is not None else None
+        is_first_power = ratio is not None and abs(ratio[0]) == abs(ratio[1])
+        if ratio is not None and is_first_power and kind is not None and max(off, apart) < _ALIKE:
+            return f"{whole}: only their {_of_two(names, ratio)} or {kind}, which are alike here, as both are as large"
+        if kind is not None and (not is_first_power or apart < off):
             return f"{whole}: only their {kind}"
         if ratio is not None:
             return f"{whole}: only their {_of_two(names, ratio)}"

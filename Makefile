@@ -27,9 +27,9 @@ test-ci: $(STAMP) # all tests but the campaigns
 test-hostile: $(STAMP) # umask 077, a home that cannot be written, stderr closed; with another compiler: CC=clang
 	$(BIN)/python -m pytest -q $(PARALLEL) -m "not slow" --hostile -p no:faulthandler 2>&-
 
-test-all: $(STAMP) # campaigns too, with the flags that users get, and with the peers that some tests need: MuJoCo, CasADi, FMPy, zig
+test-all: $(STAMP) # campaigns too, with new examples of hypothesis, with the flags that users get, and with the peers that some tests need: MuJoCo, CasADi, FMPy, zig
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[bench,fmi,cc]'
-	$(BIN)/python -m pytest -q $(PARALLEL) --as-shipped --thorough
+	$(BIN)/python -m pytest -q $(PARALLEL) --as-shipped --new-examples
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

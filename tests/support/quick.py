@@ -37,10 +37,10 @@ build.make_objects, build.make_library = _quickly(toolchain.make_objects), _quic
 
 
 def tries(count: int) -> int:
-    """How many examples hypothesis tries of a test: a fifth without `--thorough`, and the same ones in each run."""
+    """How many examples hypothesis tries of a test: a fifth in `make test`."""
     from hypothesis import settings
 
-    return count if settings.get_current_profile_name() == "thorough" else max(3, count // 5)
+    return max(3, count // 5) if settings.get_current_profile_name() == "quick" else count
 
 
 def with_runtime(cache: Path, shared: Path) -> Path:

@@ -24,13 +24,13 @@ from benchmarks.peers import ccx_peer
 from benchmarks.spine import Rows, fresh_folder, show, target, timed
 from lamc import plate
 from lamc.codegen.emit_element import MATRICES
+from lamc.plates.answers.model import FactoredPlate
 from lamc.plates.dofs import Dofs
-from lamc.plates.elements.assembly import Assembly
 from lamc.plates.elements.build import element_program
 from lamc.plates.elements.kernels import kernels
 from lamc.plates.memory import estimate_memory
 from lamc.plates.meshing.mesh import Mesh
-from lamc.plates.solving.model import FactoredPlate
+from lamc.plates.solving.assembly import Assembly
 from lamc.plates.solving.solvers import cholmod_is_fast
 
 try:

@@ -26,8 +26,10 @@ from lamc.plates.answers.failure import first_failure
 from lamc.plates.answers.flexibility import flexibility
 from lamc.plates.answers.gradients import gradient
 from lamc.plates.answers.hinge_stiffness import hinge_stiffness
+from lamc.plates.answers.model import FactoredPlate, solve
 from lamc.plates.answers.modes import modes
 from lamc.plates.answers.shape_pairs import halved_buckling, halved_modes
+from lamc.plates.answers.solution import Solution
 from lamc.plates.designs.from_design import plate_of
 from lamc.plates.elements import ELEMENTS, Element, Node, combine, corners, describe, edges, element
 from lamc.plates.elements.kernels import kernels
@@ -57,8 +59,6 @@ from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.meshing.mesher import mesh
 from lamc.plates.meshing.report import bciz_bias, mesh_report
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import FactoredPlate, solve
-from lamc.plates.solving.solution import Solution
 from lamc.plates.supports import Clamped, Hinged, SimplySupported, Support, Symmetry
 from lamc.readers.plates.problem_file import load_plate
 from lamc.readers.plates.problem_make import problem_of

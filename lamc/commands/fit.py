@@ -20,7 +20,8 @@ from lamc.commands.inputs import SceneChanges, Source, changed_scene, folder_nam
 from lamc.commands.pairs import split_pair
 from lamc.commands.quick_imports import quick_imports
 from lamc.commands.terminal import Progress, Terminal, plain
-from lamc.fitting.answer import Compared, Fit
+from lamc.fitting.answer import Fit
+from lamc.fitting.compared import Compared
 from lamc.fitting.fit import answered
 from lamc.fitting.mapped import Asked, own_names, recording_of
 from lamc.fitting.simulators import Simulators

@@ -20,12 +20,12 @@ from lamc.plates.answers.convergence import error_of_values, kept_corners_text
 from lamc.plates.answers.corner_fields import CornerFields, Extreme, corner_fields, extremes
 from lamc.plates.answers.estimate import error_estimate
 from lamc.plates.answers.failure import first_failure
+from lamc.plates.answers.model import FactoredPlate
 from lamc.plates.answers.modes import Modes, modes
 from lamc.plates.answers.shape_pairs import halved_buckling, halved_modes
+from lamc.plates.answers.solution import Solution
 from lamc.plates.elements.kernels import kernels
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import FactoredPlate
-from lamc.plates.solving.solution import Solution
 from lamc.readers.plates.problem_make import halved_problem_of, problem_of
 from lamc.readers.plates.problem_records import Output, PlateFile
 from lamc.readers.plates.problem_schema import VALUES

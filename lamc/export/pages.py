@@ -20,9 +20,9 @@ from lamc.loops.branches import Branch
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.starts import Starter
 from lamc.mechanism.plan import plan
+from lamc.plates.answers.model import FactoredPlate
+from lamc.plates.answers.solution import Solution
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import FactoredPlate
-from lamc.plates.solving.solution import Solution
 from lamc.records.design import Design
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene

@@ -11,10 +11,10 @@ import numpy as np
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import ExportError, about
+from lamc.plates.laminates.climate import Climate, climates
 from lamc.plates.laminates.graded import level_of
 from lamc.plates.loads import CLIMATES, ElectricField, LoadRecord, Moisture, Temperature
 from lamc.plates.problem import Problem
-from lamc.plates.solving.climate import Climate, climates
 
 # Of each kind: what materials answer it with, and its parameter.
 EXPANSIONS: dict[type, tuple[tuple[str, str], str]] = {

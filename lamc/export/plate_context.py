@@ -22,9 +22,9 @@ from lamc.export.plate_laminates import MODULI, LaminateTables
 from lamc.export.plate_tables import PlateTables
 from lamc.export.statuses import CStatus
 from lamc.plates.laminates.ply_terms import EXPANSION, MASS, PLY_NUMBERS, STIFFNESS, ply_equations
+from lamc.plates.laminates.sections import NO_COUPLING
 from lamc.plates.loads import ElectricField, Moisture, Temperature
 from lamc.plates.problem import Problem
-from lamc.plates.solving.sections import NO_COUPLING
 from lamc.symbolic.program import ElementProgram, Function, Space
 from lamc.symbolic.staging import Level
 

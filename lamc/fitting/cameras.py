@@ -1,13 +1,27 @@
 """Where cameras of unknown place begin: nearest to the run from where all other numbers begin.
 
-In: a predictor. Out: starts of the unknowns of its cameras. They are guesses, and what is said of a start stays.
+In: a predictor. Out: starts of the unknowns of its cameras, and the predictor with them. They are guesses, and what is
+said of a start stays.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.sight import sees
+from lamc.fitting.unknowns import Unknowns, begun_at
 from lamc.run.request import Array
+
+
+def placed(predictor: Predictor) -> Predictor:
+    """The predictor with cameras where the first run says."""
+    starts = camera_starts(predictor)
+    if not starts:
+        return predictor
+    setting = predictor.setting
+    unknowns = Unknowns(begun_at(setting.unknowns.all, starts))
+    return Predictor(replace(setting, unknowns=unknowns), predictor.runs)
 
 
 def camera_starts(predictor: Predictor) -> dict[str, float]:

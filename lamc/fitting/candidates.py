@@ -8,17 +8,20 @@ anew but the recording's own run with its derivatives.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lamc.basics.checks import is_list, shown
 from lamc.basics.errors import RequestError
-from lamc.fitting.answer import Fit
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.recorded import check_columns
 from lamc.fitting.sight import sight_of
 from lamc.fitting.signals import Column
 from lamc.run.request import Array
+
+if TYPE_CHECKING:
+    from lamc.fitting.answer import Fit
 
 _GUESS = 0.01  # of how much a candidate varies: noise of a kind that no recording has
 _NONE = 1e-6  # of a direction: a share that is none
@@ -38,7 +41,7 @@ class Candidate:
 
 
 def candidates(
-    fit: Fit, columns: Sequence[str], markers: Mapping[str, object] | None = None
+    fit: "Fit", columns: Sequence[str], markers: Mapping[str, object] | None = None
 ) -> tuple[Candidate, ...]:
     """The candidates, the one that tells most first. Each is taken to be recorded at the rows of the first recording,
     with the noise that the fit found for its unit, else of 1 % of how much it varies. Raises RequestError for names of
@@ -54,7 +57,9 @@ def candidates(
     return tuple(sorted(found, key=lambda each: -each.shrinks))
 
 
-def _candidate(fit: Fit, column: str, markers: Mapping[str, object], known: Array, rates: Array) -> Candidate:
+def _candidate(
+    fit: "Fit", column: str, markers: Mapping[str, object], known: Array, rates: Array
+) -> Candidate:
     first = fit.setting.runs[0]
     values = {column: np.zeros(len(first.recording.t))}
     plain = replace(
@@ -91,7 +96,7 @@ def _errors(information: Array) -> list[float]:
     return found
 
 
-def _noise(fit: Fit, unit: str) -> float | None:
+def _noise(fit: "Fit", unit: str) -> float | None:
     """What the fit left of columns of a unit, for each of its freedoms."""
     squares = [
         each.residuals[:, k][np.isfinite(each.residuals[:, k])] ** 2

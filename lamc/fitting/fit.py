@@ -5,7 +5,6 @@ In: as its docstring says. Out: a `Fit`. It arranges: what is unknown (`setting`
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -14,8 +13,9 @@ from lamc.basics.errors import RequestError
 from lamc.basics.places import located_at
 from lamc.basics.threads import on_one_thread
 from lamc.codegen.options import CompileOptions
-from lamc.fitting.answer import Fit, beyond_a_turn, compared_of, remarks
-from lamc.fitting.cameras import camera_starts
+from lamc.fitting.answer import Fit
+from lamc.fitting.cameras import placed
+from lamc.fitting.compared import beyond_a_turn, compared_of, remarks
 from lamc.fitting.exact import Exact
 from lamc.fitting.losses import LOSSES
 from lamc.fitting.objective import Objective, first_sigmas
@@ -25,7 +25,6 @@ from lamc.fitting.shooting import growth, shoot
 from lamc.fitting.simulators import Simulators
 from lamc.fitting.solve import Solved, elsewhere, is_lost, is_poor, left_over, solve
 from lamc.fitting.uncertainty import account_of, correlated
-from lamc.fitting.unknowns import Unknowns, begun_at
 from lamc.records.mechanism import Mechanism
 from lamc.records.recording import Recording
 from lamc.records.scene import Scene
@@ -140,16 +139,6 @@ def check_starts(predictor: Predictor) -> None:
             limited = with_limits(simulator.mechanism, numbers)
             check_start(simulator.effects, limited, motion, task.y0)
             check_run(simulator.effects, simulator.mechanism, motion, task.y0, float(task.times[-1]))
-
-
-def placed(predictor: Predictor) -> Predictor:
-    """The predictor with cameras where the first run says."""
-    starts = camera_starts(predictor)
-    if not starts:
-        return predictor
-    setting = predictor.setting
-    unknowns = Unknowns(begun_at(setting.unknowns.all, starts))
-    return Predictor(replace(setting, unknowns=unknowns), predictor.runs)
 
 
 def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:

@@ -5,12 +5,13 @@ delay, gains, as far as they are ranges) is found from it, and a camera that the
 """
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lamc.fitting.answer import Compared, Fit, compared_of
+from lamc.fitting.cameras import placed
+from lamc.fitting.compared import Compared, compared_of
 from lamc.fitting.exact import Exact
-from lamc.fitting.fit import placed
 from lamc.fitting.objective import Objective, first_sigmas
 from lamc.fitting.predictions import Predictor
 from lamc.fitting.setting import setting_of
@@ -18,8 +19,11 @@ from lamc.fitting.simulators import Simulators
 from lamc.fitting.solve import Solved, solve
 from lamc.records.recording import Camera, Recording
 
+if TYPE_CHECKING:
+    from lamc.fitting.answer import Fit
 
-def held_back(fit: Fit, recording: Recording) -> Compared:
+
+def held_back(fit: "Fit", recording: Recording) -> Compared:
     """The recording beside the fitted model. Raises RequestError as a fit does."""
     usual = fit.setting.simulators
     simulators = usual if not fit.dimensions else Simulators(fit.design, fit.simulator.scene, usual.options)
@@ -36,7 +40,7 @@ def held_back(fit: Fit, recording: Recording) -> Compared:
     return compared_of(predictor, solved)[0]
 
 
-def _known(fit: Fit, camera: Camera) -> Camera:
+def _known(fit: "Fit", camera: Camera) -> Camera:
     """The camera with what the fit knows of it."""
     values, name = fit.values, camera.name
     if not any(each.startswith(f"{name}.") for each in values):

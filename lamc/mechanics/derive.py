@@ -6,6 +6,7 @@ store. It knows no effect by name, and makes no text.
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from lamc.loops.rank import LoopCount, count_loops
@@ -59,7 +60,8 @@ def derive(
     """
     arrangement = arrange(tree, effects)
     road = _derive_plain if arrangement.is_plain else derive_general
-    equations = road(symbols_of(arrangement, inputs), arrangement, effects, loops, inputs)
+    made = road(symbols_of(arrangement, inputs), arrangement, effects, loops, inputs)
+    equations = replace(made, derive=derive)
     equations.store.is_frozen = True
     return equations
 

@@ -7,10 +7,11 @@ Nothing is written out until it is asked for: `assignments` shows the staged equ
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, fields, replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Protocol, cast
 
 from lamc.basics.once import lazy
 from lamc.loops.rank import NO_LOOPS, LoopCount
+from lamc.mechanics.operation_account import operations_by_effect
 from lamc.mechanism.tree import Tree
 from lamc.records.inputs import Input
 from lamc.symbolic.pattern import Pattern
@@ -44,6 +45,21 @@ class Assignment:
         return f"{self.symbol} = {self.expression}"
 
 
+class Derivation(Protocol):
+    """Equations of a tree under effects: what `derive` is."""
+
+    def __call__(
+        self, tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None, inputs: Mapping[str, Input]
+    ) -> "Equations": ...
+
+
+def _by_hand(
+    tree: Tree, effects: "Sequence[Effect]", loops: LoopCount | None, inputs: Mapping[str, Input]
+) -> "Equations":
+    """Of a record that `derive` has not made."""
+    raise TypeError("these equations were put together by hand: none can be derived for other effects")
+
+
 def _no_pattern(loops: LoopCount) -> None:
     """Of a tree."""
 
@@ -67,6 +83,7 @@ class Equations:
                   empty, and the runtime solves
     coordinate_rates  q̇ (nq,) by q and u; None where q̇ = u
     inputs        numbers from outside that the scene declares, by name
+    derive        makes those of other effects
     account_for_powers  makes `powers`, which take time and memory that few ask for
 
     The store is frozen once `derive` is done. What is worked out later (`inertia`, `forces`, `powers`, the program)
@@ -92,6 +109,7 @@ class Equations:
     inputs: Mapping[str, Input] = field(default_factory=dict)
     account_for_powers: "Callable[[], Mapping[str, Scalar]]" = dict
     find_pattern: "Callable[[LoopCount], Pattern | None]" = _no_pattern
+    derive: Derivation = _by_hand
 
     def __repr__(self) -> str:
         return (
@@ -209,8 +227,6 @@ class Equations:
     def operations_by_effect(self) -> Mapping[str, Operations]:
         """`operations` by what they are for: "" is the mechanism alone, then what each effect adds to those before
         it; effects that bring coordinates come first. Takes a derivation for each effect."""
-        from lamc.mechanics.operation_account import operations_by_effect
-
         return operations_by_effect(self)
 
     @lazy

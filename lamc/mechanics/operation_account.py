@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
-from lamc.mechanics.derive import derive
 from lamc.mechanism.plan import plan
 from lamc.records.effect import overrides
 from lamc.symbolic.program import Operations
@@ -29,11 +28,13 @@ def operations_by_effect(equations: "Equations") -> Mapping[str, Operations]:
     tree = plan(equations.tree.mechanism)
     ordered = sorted(equations.effects, key=lambda effect: not overrides(effect, "arrange"))
     loops = None if any(overrides(effect, "arrange") for effect in ordered) else equations.loops
-    before = derive(tree, (), loops, equations.inputs).operations
+    before = equations.derive(tree, (), loops, equations.inputs).operations
     result = {MECHANISM: before}
     for count, effect in enumerate(ordered, start=1):
         with_it = (
-            equations if count == len(ordered) else derive(tree, ordered[:count], loops, equations.inputs)
+            equations
+            if count == len(ordered)
+            else equations.derive(tree, ordered[:count], loops, equations.inputs)
         )
         # Several motors, springs or wings have one name, and one line.
         so_far = result.get(effect.name, Operations())

@@ -16,10 +16,10 @@ from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.checks import checked_name, checked_number, shown
 from lamc.basics.errors import DesignError, UnsupportedError, about
+from lamc.plates.edge_parts import edge_parts_on
 from lamc.plates.elements.definition import CORNERS, Element
 from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.mesh import Integers
-from lamc.plates.solving.edge_parts import edge_parts_on
 from lamc.plates.supports import checked_where, where_text
 
 

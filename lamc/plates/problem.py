@@ -15,20 +15,20 @@ from lamc.basics.checks import checked_name, checked_number, shown
 from lamc.basics.errors import DesignError, about
 from lamc.basics.seen import Viewable
 from lamc.plates.dofs import Dofs
+from lamc.plates.edge_parts import edge_parts_on
 from lamc.plates.elements.definition import TRIANGLE, Element
 from lamc.plates.elements.library import checked_element, combine, element
 from lamc.plates.followed import check_followed
 from lamc.plates.foundations import ElasticFoundation
 from lamc.plates.hinge_lines import HingeLine, hinge_edges
+from lamc.plates.laminates.climate import climates, pulls
 from lamc.plates.laminates.laminate import Laminate
+from lamc.plates.laminates.sections import couples
 from lamc.plates.loads import LOADS, EdgeLoad, EdgeMoment, LoadRecord, PointLoad, Pressure, SelfWeight
 from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.mesh import Integers, Mesh
 from lamc.plates.mirrors import check_mirror
 from lamc.plates.pinches import check_pinches
-from lamc.plates.solving.climate import climates, pulls
-from lamc.plates.solving.edge_parts import edge_parts_on
-from lamc.plates.solving.sections import couples
 from lamc.plates.supports import SUPPORTS, Hinged, Support, SupportRecord, Symmetry, support_text, where_text
 
 _COMPANIONS = {TRIANGLE: "cst"}  # what an element that only bends takes for the plane; "q4" for squares

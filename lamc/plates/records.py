@@ -12,17 +12,17 @@ from lamc.plates.answers.hinge_rotations import HingeRotation
 from lamc.plates.answers.hinge_stiffness import HingeStiffness
 from lamc.plates.answers.modes import Modes
 from lamc.plates.answers.shape_pairs import ShapePair
+from lamc.plates.answers.solution import SolveReport
 from lamc.plates.designs.from_design import DesignPlate
 from lamc.plates.designs.hinge_edges import HingeEdge
-from lamc.plates.elements.assembly import Assembly
 from lamc.plates.elements.kernels import ElementKernels
 from lamc.plates.laminates.failure import FirstPlyFailure, PlyFailure
 from lamc.plates.laminates.plies import Deformation, EngineeringConstants, PlyState, Resultants
 from lamc.plates.memory import Memory
 from lamc.plates.meshing.report import MeshReport
+from lamc.plates.solving.assembly import Assembly
 from lamc.plates.solving.reactions import Reaction
 from lamc.plates.solving.refine import Accuracy
-from lamc.plates.solving.solution import SolveReport
 
 __all__ = [
     "Accuracy",

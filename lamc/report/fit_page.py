@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from html import escape
 
 from lamc.basics.numbers import shown_number
-from lamc.fitting.answer import Compared, Fit
+from lamc.fitting.answer import Fit
+from lamc.fitting.compared import Compared
 from lamc.report.fit_text import interval_text
 
 _STYLE = (

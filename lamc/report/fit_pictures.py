@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from lamc.basics.numbers import prefixed, shortened
-from lamc.fitting.answer import Compared
+from lamc.fitting.compared import Compared
 from lamc.report.curves import dress
 from lamc.report.style import PALETTE, WORLD, save
 

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from lamc.basics.numbers import shortened, shown_number
-from lamc.fitting.answer import Compared, Fit
+from lamc.fitting.answer import Fit
+from lamc.fitting.compared import Compared
 
 if TYPE_CHECKING:
     from lamc.fitting.candidates import Candidate

@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import RequestError
 from lamc.plates.answers.corner_fields import corner_fields
-from lamc.plates.solving.solution import Solution
+from lamc.plates.answers.solution import Solution
 from lamc.report.drawn import on_axes
 from lamc.report.plate_contours import Field, draw_contours
 from lamc.report.plate_marks import draw_supports, scale_of

@@ -16,8 +16,8 @@ from lamc.plates.answers.estimate import ErrorEstimate
 from lamc.plates.answers.failure import PlateFailure
 from lamc.plates.answers.modes import Modes
 from lamc.plates.answers.shape_pairs import ShapePair
+from lamc.plates.answers.solution import Solution
 from lamc.plates.problem import Problem
-from lamc.plates.solving.solution import Solution
 from lamc.readers.plates.problem_records import Output, PlateFile
 
 

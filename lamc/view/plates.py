@@ -15,9 +15,9 @@ from lamc.basics.checks import Array
 from lamc.plates.answers.corner_fields import CornerFields, corner_fields
 from lamc.plates.answers.modes import Modes
 from lamc.plates.answers.shapes import Shapes
+from lamc.plates.answers.solution import Solution
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
-from lamc.plates.solving.solution import Solution
 from lamc.report.plate_contours import shown_range
 from lamc.report.plate_records import PlateReport
 from lamc.report.plate_solid import ONE_SIGN, TWO_SIGNS, box, colours_of, rounded

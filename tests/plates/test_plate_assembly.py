@@ -11,12 +11,12 @@ from scipy.sparse.linalg import splu
 
 from lamc.basics.errors import DesignError, UnsupportedError
 from lamc.plates.dofs import Dofs
-from lamc.plates.elements.assembly import Assembly
 from lamc.plates.elements.kernels import kernels
 from lamc.plates.elements.library import ELEMENTS, element
 from lamc.plates.memory import available_memory, check_memory, estimate_memory
 from lamc.plates.meshing.grid import grid
 from lamc.plates.meshing.mesh import Mesh
+from lamc.plates.solving.assembly import Assembly
 from tests.support.ctools import needs_cc
 
 pytestmark = needs_cc

@@ -13,7 +13,7 @@ import lamc
 from lamc import plate
 from lamc.basics.errors import DesignError, ExportError, UnsupportedError
 from lamc.plates.elements.library import element
-from lamc.plates.solving.sections import sections
+from lamc.plates.laminates.sections import sections
 from lamc.reference.plate_shear import ReferenceShearElement
 
 NAMES = ("dkmt", "dkmt+cst", "dkmt+lst")

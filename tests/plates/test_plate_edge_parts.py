@@ -8,7 +8,7 @@ from shapely.geometry import LineString, MultiLineString, box
 
 from lamc import plate
 from lamc.basics.errors import DesignError
-from lamc.plates.solving.edge_parts import edge_parts_on
+from lamc.plates.edge_parts import edge_parts_on
 from tests.support.ctools import needs_cc
 from tests.support.plate_meshes import held, sheet, sides, solved
 

@@ -12,10 +12,10 @@ from shapely.geometry import LineString, box
 
 from lamc import plate
 from lamc.codegen.emit_ply import emit_ply
+from lamc.plates.laminates.climate import Climate
 from lamc.plates.laminates.ply_kernel import ply_function, split
 from lamc.plates.laminates.ply_terms import PLY_NUMBERS, TERMS
 from lamc.plates.laminates.slopes import VARIABLES, laminate_terms
-from lamc.plates.solving.climate import Climate
 from lamc.symbolic.listing import listing_of, run
 from lamc.symbolic.operations import BATCHED
 from lamc.symbolic.program import Space

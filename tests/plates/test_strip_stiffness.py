@@ -7,8 +7,8 @@ from shapely.geometry import LineString
 from lamc import plate
 from lamc.basics.errors import DesignError
 from lamc.plate import Laminate, Material, Ply
+from lamc.plates.answers.model import FactoredPlate
 from lamc.plates.answers.strip_stiffness import DIRECTIONS, about, strip_stiffness
-from lamc.plates.solving.model import FactoredPlate
 from tests.support.ctools import needs_cc
 
 E, NU, T, L = 2.5e9, 0.34, 25e-6, 1e-3

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lamc.fitting.answer import Compared
+from lamc.fitting.compared import Compared
 from lamc.fitting.neighbours import offset
 
 T = np.linspace(0.0, 2.0, 201)

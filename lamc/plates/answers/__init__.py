@@ -1,1 +1,1 @@
-"""What more a plate is asked: modes, buckling, errors, gradients, failure, hinges."""
+"""What a plate is asked: its solution under loads, modes, buckling, errors, gradients, failure, hinges."""

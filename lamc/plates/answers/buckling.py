@@ -17,16 +17,16 @@ from lamc.basics.brief import brief
 from lamc.basics.checks import Array, checked_array, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.once import lazy
-from lamc.plates.advice import polygon_texts
 from lamc.plates.answers.eigen import pinned, stability
+from lamc.plates.answers.model import FactoredPlate
 from lamc.plates.answers.pencil import check_problem, pencil
 from lamc.plates.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
 from lamc.plates.answers.shapes import Shapes
 from lamc.plates.answers.shear_share import shape_notes
+from lamc.plates.answers.solution import Solution
 from lamc.plates.offsets import offset_texts
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import FactoredPlate
-from lamc.plates.solving.solution import Solution
+from lamc.plates.solving.advice import polygon_texts
 from lamc.plates.solving.system import System, system
 
 # Forces of this size, over the largest, are round-off of the solution that they come from.

@@ -8,11 +8,11 @@ import math
 from dataclasses import dataclass, replace
 
 from lamc.basics.errors import DesignError
+from lamc.plates.answers.model import FactoredPlate
 from lamc.plates.answers.shear_share import shear_share
+from lamc.plates.answers.solution import Solution
 from lamc.plates.loads import Pressure
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import FactoredPlate
-from lamc.plates.solving.solution import Solution
 
 THIN, THICK = "dkt", "dkmt"
 # Of the deflection. Less is reported, and no reason to go without gradients and exports, which shear does without so

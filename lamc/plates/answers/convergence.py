@@ -19,12 +19,12 @@ from scipy.optimize import brentq
 
 from lamc.basics.checks import checked_number
 from lamc.basics.errors import DesignError
+from lamc.plates.answers.model import solve
+from lamc.plates.answers.solution import Solution
 from lamc.plates.meshing.changes import refined
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
 from lamc.plates.solving.curves import curve_nodes
-from lamc.plates.solving.model import solve
-from lamc.plates.solving.solution import Solution
 from lamc.plates.supports import BOUNDARY
 
 Answer = TypeVar("Answer")

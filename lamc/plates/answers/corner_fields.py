@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.basics.checks import Array
+from lamc.plates.answers.solution import Solution
 from lamc.plates.elements.definition import CORNERS
 from lamc.plates.laminates.failure import tsai_wu_index
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.laminates.materials import STRENGTHS
-from lamc.plates.solving.sections import matrices
-from lamc.plates.solving.solution import Solution
+from lamc.plates.laminates.sections import matrices
 
 _NOTHING = 1e-11  # of the terms of a sum: less is round-off
 

@@ -18,7 +18,7 @@ from lamc.plates.answers.recovery import Rows
 from lamc.plates.elements.definition import CORNERS, TRIANGLE
 
 if TYPE_CHECKING:
-    from lamc.plates.solving.solution import Solution
+    from lamc.plates.answers.solution import Solution
 
 # Elements of which this is so at borders. Specht's has cubics along edges too, but rows make its moment at clamped
 # edges worse: 8 % low at 20 cells instead of 5 %.

@@ -21,11 +21,11 @@ from lamc.plates.answers.edge_rows import CUBIC_ALONG_EDGES, SHEARED, edge_rows,
 from lamc.plates.answers.kinks import corners_by_side
 from lamc.plates.answers.recovery import RecoveredStrains, Rows, recover, sample_points
 from lamc.plates.elements.definition import TRIANGLE
+from lamc.plates.laminates.sections import matrices
 from lamc.plates.meshing.mesh import Mesh
-from lamc.plates.solving.sections import matrices
 
 if TYPE_CHECKING:
-    from lamc.plates.solving.solution import Solution
+    from lamc.plates.answers.solution import Solution
 
 # Degree of the polynomials that strains are recovered by; 1 for all others. Those of second order, and with bending
 # also those of first: moments at clamped edges are curved, and straight lines continued to the edge fall short of them.

@@ -14,6 +14,7 @@ from lamc.basics.checks import Array, shown
 from lamc.basics.errors import DesignError
 from lamc.plates.answers.recovery import RecoveredStrains
 from lamc.plates.answers.sharp_places import sharp_place
+from lamc.plates.answers.solution import Solution
 from lamc.plates.elements.definition import CORNERS
 from lamc.plates.laminates.failure import (
     CRITERIA,
@@ -25,9 +26,8 @@ from lamc.plates.laminates.failure import (
 )
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.laminates.plies import Ply
+from lamc.plates.laminates.sections import couples
 from lamc.plates.meshing.mesh import Integers
-from lamc.plates.solving.sections import couples
-from lamc.plates.solving.solution import Solution
 
 _FACES = ("lower", "upper")
 # Clamped squares of 20 cells under pressure are within it, with ratios within 3 %.

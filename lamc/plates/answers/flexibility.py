@@ -11,10 +11,10 @@ import numpy as np
 
 from lamc.basics.checks import Array, checked_array, checked_kind
 from lamc.basics.errors import DesignError
+from lamc.plates.answers.model import FactoredPlate
 from lamc.plates.loads import PointLoad
 from lamc.plates.problem import Problem
 from lamc.plates.solving.load_vectors import load_vector
-from lamc.plates.solving.model import FactoredPlate
 
 
 def flexibility(

@@ -25,15 +25,15 @@ from lamc.plates.answers.buckling import Buckling
 from lamc.plates.answers.modes import Modes
 from lamc.plates.answers.pencil import is_in_plane
 from lamc.plates.answers.sensitivity import by_mass, by_resultants, by_sections, by_varying, by_weight
+from lamc.plates.answers.solution import Solution
 from lamc.plates.elements.kernels import kernels
+from lamc.plates.laminates.climate import Climate
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.laminates.ply_terms import EXPANSION, MASS, STIFFNESS
 from lamc.plates.laminates.slopes import VARIABLES, laminate_terms
 from lamc.plates.loads import CLIMATES, Moisture, PointLoad, SelfWeight, Temperature
 from lamc.plates.problem import Problem
-from lamc.plates.solving.climate import Climate
 from lamc.plates.solving.load_vectors import load_vector
-from lamc.plates.solving.solution import Solution
 
 Of: TypeAlias = str | tuple[str, Sequence[float]] | tuple[str, int]
 

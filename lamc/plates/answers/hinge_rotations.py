@@ -20,7 +20,7 @@ from lamc.plates.locator import points_at
 from lamc.plates.solving.hinge_sides import hinge_sides
 
 if TYPE_CHECKING:
-    from lamc.plates.solving.solution import Solution
+    from lamc.plates.answers.solution import Solution
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,12 +27,12 @@ from shapely.geometry import LineString
 
 from lamc.basics.checks import checked_kind, checked_number, shown
 from lamc.basics.errors import DesignError
+from lamc.plates.answers.model import FactoredPlate
 from lamc.plates.laminates.laminate import Laminate
+from lamc.plates.laminates.sections import couples
 from lamc.plates.meshing.grid import grid_of_lines
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.problem import Problem
-from lamc.plates.solving.model import FactoredPlate
-from lamc.plates.solving.sections import couples
 from lamc.plates.supports import Support
 
 CELLS = 16  # across the strip; the elements then err by some 0.2 % of the difference between plate and beam

@@ -18,7 +18,7 @@ from lamc.plates.loads import EdgeLoad, EdgeMoment
 from lamc.plates.meshing.mesh import Integers
 
 if TYPE_CHECKING:
-    from lamc.plates.solving.solution import Solution
+    from lamc.plates.answers.solution import Solution
 
 
 def corners_by_side(solution: "Solution") -> Integers:

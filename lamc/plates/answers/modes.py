@@ -15,15 +15,15 @@ from lamc.basics.brief import brief
 from lamc.basics.checks import Array, checked_flag, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.once import lazy
-from lamc.plates.advice import polygon_texts
 from lamc.plates.answers.eigen import rigid_basis, vibration
 from lamc.plates.answers.pencil import check_problem, pencil, translations
 from lamc.plates.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
 from lamc.plates.answers.shapes import Shapes
 from lamc.plates.answers.shear_share import shape_notes
+from lamc.plates.answers.solution import Solution
 from lamc.plates.offsets import offset_texts
 from lamc.plates.problem import Problem
-from lamc.plates.solving.solution import Solution
+from lamc.plates.solving.advice import polygon_texts
 from lamc.plates.solving.system import system
 
 

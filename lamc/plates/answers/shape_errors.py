@@ -16,8 +16,8 @@ import numpy as np
 
 from lamc.basics.checks import Array
 from lamc.plates.answers.estimate import error_estimate
+from lamc.plates.answers.solution import Solution, SolveReport
 from lamc.plates.solving.refine import Accuracy
-from lamc.plates.solving.solution import Solution, SolveReport
 from lamc.plates.solving.system import System
 
 REPORTED = 0.02  # relative error from which a note tells it: what a reader of three digits would mind

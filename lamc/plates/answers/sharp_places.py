@@ -13,12 +13,12 @@ from shapely.geometry import MultiPoint, Point
 from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.checks import Array
+from lamc.plates.answers.solution import Solution
 from lamc.plates.doubling import parts_of_fans
 from lamc.plates.loads import PointLoad
 from lamc.plates.locator import MeshLocator
 from lamc.plates.meshing.mesh import Mesh
 from lamc.plates.meshing.report import corner_angles
-from lamc.plates.solving.solution import Solution
 
 _NOTCH = 210.0  # degrees: less is taken for a piece of an arc, of twelve or more to the turn
 _PAST_AN_END = 120.0  # degrees

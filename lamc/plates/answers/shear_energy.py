@@ -37,8 +37,8 @@ from lamc.plates.loads import EdgeMoment
 from lamc.plates.meshing.mesh import Integers
 
 if TYPE_CHECKING:
+    from lamc.plates.answers.solution import Solution
     from lamc.plates.meshing.mesh import Mesh
-    from lamc.plates.solving.solution import Solution
 
 # How much of the slope along an edge is free, over that across it, in squares: 1 where both are, tan² of half a turn
 # where a curve of chords is held, which `supports.py` takes for a corner from 80° on.

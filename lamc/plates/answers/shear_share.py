@@ -24,7 +24,7 @@ from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.loads import PointLoad
 
 if TYPE_CHECKING:
-    from lamc.plates.solving.solution import Solution
+    from lamc.plates.answers.solution import Solution
 
 REPORTED = 0.01  # of the deflection; less is below what a mesh leaves
 _TRIANGLES = ("bciz", "dkt", "specht")

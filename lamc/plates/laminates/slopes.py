@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from lamc.basics.checks import Array
+from lamc.plates.laminates.climate import Climate
 from lamc.plates.laminates.graded import level_of
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.laminates.ply_kernel import PlyKernel, ply_kernel
 from lamc.plates.laminates.ply_terms import PLY_NUMBERS
-from lamc.plates.solving.climate import Climate
 
 # What a gradient can be asked for, with the unit that it is per.
 VARIABLES: Mapping[str, str] = {

@@ -1,1 +1,1 @@
-"""From a problem to its solution: constraints, load vectors, sparse systems, refinement."""
+"""Systems of equations of a problem: assembly, constraints, load vectors, factorisation, refinement."""

@@ -15,11 +15,11 @@ import numpy as np
 from lamc.basics.checks import Array
 from lamc.basics.errors import about
 from lamc.plates.dofs import Dofs
+from lamc.plates.functions import values_at
 from lamc.plates.meshing.mesh import Integers
 from lamc.plates.problem import Problem
 from lamc.plates.solving.curves import CurveNodes, curve_nodes
 from lamc.plates.solving.directions import EdgeNodes, edge_nodes_on
-from lamc.plates.solving.functions import values_at
 from lamc.plates.supports import Clamped, Hinged, SimplySupported, Support, Symmetry, Where, support_text
 
 PLANE, ACROSS, SLOPE, TWIST = range(4)  # (u, v), w, (w_x, w_y), w_xy

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from lamc.basics.checks import Array
 from lamc.plates.elements.kernels import ElementKernels
+from lamc.plates.laminates.climate import RegionClimate, climates, resultants
+from lamc.plates.laminates.sections import in_cells, matrices
 from lamc.plates.loads import LoadRecord
 from lamc.plates.meshing.mesh import Integers
 from lamc.plates.problem import Problem
 from lamc.plates.solving.cell_points import CellPoints, cell_points
-from lamc.plates.solving.climate import RegionClimate, climates, resultants
-from lamc.plates.solving.sections import in_cells, matrices
 
 
 class Expansion:

@@ -11,15 +11,15 @@ import numpy as np
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, about
+from lamc.plates.edge_parts import EdgeParts, edge_parts_on
 from lamc.plates.elements.definition import CORNERS
 from lamc.plates.elements.kernels import ElementKernels
+from lamc.plates.functions import values_at
 from lamc.plates.loads import CLIMATES, EdgeLoad, EdgeMoment, LoadRecord, PointLoad, Pressure, SelfWeight
 from lamc.plates.meshing.mesh import Integers
 from lamc.plates.problem import Problem
 from lamc.plates.solving.cell_points import cell_points
-from lamc.plates.solving.edge_parts import EdgeParts, edge_parts_on
 from lamc.plates.solving.expansion import Expansion
-from lamc.plates.solving.functions import values_at
 
 _GAUSS, _WEIGHTS = np.polynomial.legendre.leggauss(
     4

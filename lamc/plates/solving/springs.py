@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError
+from lamc.plates.edge_parts import edge_parts_on
 from lamc.plates.elements.kernels import ElementKernels
 from lamc.plates.foundations import ElasticFoundation
 from lamc.plates.problem import Problem
 from lamc.plates.solving.blocks import runs
 from lamc.plates.solving.cell_points import cell_points
-from lamc.plates.solving.edge_parts import edge_parts_on
 from lamc.plates.solving.hinge_sides import hinge_sides
 from lamc.plates.solving.load_vectors import along_edges, shape_functions
 from lamc.plates.supports import Hinged

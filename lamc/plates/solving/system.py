@@ -16,16 +16,16 @@ import scipy.sparse as sp
 from lamc.basics.checks import Array
 from lamc.basics.once import lazy
 from lamc.plates.dofs import Dofs
-from lamc.plates.elements.assembly import Assembly
 from lamc.plates.elements.kernels import ElementKernels, Numbers, kernels
+from lamc.plates.laminates.sections import sections
 from lamc.plates.memory import check_memory
 from lamc.plates.problem import Problem
+from lamc.plates.solving.assembly import Assembly
 from lamc.plates.solving.constraints import Constraints, constraints
 from lamc.plates.solving.equations import joined, support_equations
 from lamc.plates.solving.panels import Piece
 from lamc.plates.solving.reduction import Reduction
 from lamc.plates.solving.rigid import pieces, pins
-from lamc.plates.solving.sections import sections
 from lamc.plates.solving.solvers import Factor, SingularError, checked_solver, factor
 from lamc.plates.solving.springs import Springs, hinge_springs, springs, with_added
 

@@ -27,19 +27,19 @@ from lamc.plates.answers.hinge_rotations import HingeRotation, hinge_rotations, 
 from lamc.plates.answers.recovery import RecoveredStrains
 from lamc.plates.answers.shear_share import shear_share
 from lamc.plates.elements.kernels import Numbers
+from lamc.plates.laminates.climate import RegionClimate
 from lamc.plates.laminates.graded import number_of
 from lamc.plates.laminates.plies import PlyState
+from lamc.plates.laminates.sections import in_cells, matrices
 from lamc.plates.loads import LoadRecord
 from lamc.plates.locator import points_at
 from lamc.plates.meshing.mesh import Integers
 from lamc.plates.problem import Problem
-from lamc.plates.solving.climate import RegionClimate
 from lamc.plates.solving.expansion import Expansion
 from lamc.plates.solving.reactions import Reaction, reactions
 from lamc.plates.solving.refine import Accuracy
 from lamc.plates.solving.refine import solve as refined
 from lamc.plates.solving.rigid import check_balance
-from lamc.plates.solving.sections import in_cells, matrices
 from lamc.plates.solving.system import System
 
 if TYPE_CHECKING:

@@ -13,10 +13,10 @@ import numpy as np
 from lamc.basics.checks import Array
 from lamc.basics.errors import DesignError, about
 from lamc.plates.elements.definition import Element
+from lamc.plates.functions import values_at
 from lamc.plates.laminates.graded import Amount, Graded, gradient_of, is_of_places, level_of, number_of, over
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.loads import CLIMATES, ElectricField, Intensity, LoadRecord, Moisture, Temperature
-from lamc.plates.solving.functions import values_at
 
 _SLOPE = Graded(0.0, 1.0)  # 1 per m
 _ROUND_OFF = 1e-12  # of a stack's sums, with room

@@ -13,17 +13,17 @@ import numpy as np
 from lamc.basics.checks import Array, checked_kind, shown
 from lamc.basics.errors import DesignError, LamcError
 from lamc.basics.readonly import ReadOnlyDict
-from lamc.plates.advice import notes
 from lamc.plates.answers.shear_share import shear_notes
+from lamc.plates.answers.solution import Solution, SolveReport
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.loads import LOADS, LoadRecord
 from lamc.plates.problem import Problem, check_load, checked_kinds
+from lamc.plates.solving.advice import notes
 from lamc.plates.solving.idle import idle
 from lamc.plates.solving.load_vectors import load_vector
 from lamc.plates.solving.refine import Deformed
 from lamc.plates.solving.refine import solve as refined
 from lamc.plates.solving.rigid import check_balance, free_text, without_rigid
-from lamc.plates.solving.solution import Solution, SolveReport
 from lamc.plates.solving.system import System, system
 
 

@@ -29,6 +29,7 @@ _FACTOR = r"[A-Za-zµμ°]+(?: ?(?:\^|\*\*) ?-?[0-9])?"
 _PRODUCT = rf"{_FACTOR}(?:(?: ?[*/·] ?| ){_FACTOR})*"
 _TERM = rf"(?:{_FACTOR}|\({_PRODUCT}\))"
 _UNIT = re.compile(rf"{_TERM}(?:(?: ?[*/·] ?| ){_TERM})*\Z")
+_FORMULA = re.compile(r"\w\(|\s[+-]\s")  # of an expression: a function, a sum
 
 
 @dataclass(frozen=True)
@@ -147,6 +148,11 @@ def check_unit(unit: str, quantity: Quantity) -> None:
     if len(unit) > LONGEST:
         raise DesignError(f"a unit of {len(unit)} characters; at most {LONGEST} are allowed")
     if unit and not _UNIT.match(" ".join(unit.split())):
+        if _FORMULA.search(unit):
+            raise DesignError(
+                f"{unit!r} is not a unit of {quantity.name}; a unit stands behind a number alone, as in "
+                f"{quantity.example!r}: write an expression without units"
+            )
         raise DesignError(
             f"{unit!r} is not a unit of {quantity.name}; write unit names with * / and small whole powers, "
             f"such as in {quantity.example!r}"

@@ -57,7 +57,8 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
     lines += [
         f"{'files' if k == 0 else '':<10}{path:<32} {_size(n)}" for k, (path, n) in enumerate(sizes.items())
     ]
-    lines += TARGETS[order.target].told(files)
+    told = TARGETS[order.target].told(files)
+    lines += told
     if effects is not None:
         is_listed = order.options.lossy and "README.md" in files
         left_out = "; README.md lists what of them is left out" if is_listed else ""
@@ -71,6 +72,7 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
         "target": order.target,
         "folder": str(folder),
         "files": list(written),
+        "told": [" ".join(line.split()) for line in told],
         "next": step,
     }
     terminal.result({**data, "bytes": sizes, **({} if effects is None else {"effects": effects})})

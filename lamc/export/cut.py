@@ -33,6 +33,7 @@ from lamc.export.cuts.sheet import Stock, stock_of
 from lamc.export.cuts.svg import svg_text
 from lamc.export.options import ExportOptions, named
 from lamc.records.design import Design
+from lamc.records.drawing import STRAY, Mend
 from lamc.records.mechanism import Mechanism
 from lamc.records.scene import Scene
 
@@ -64,9 +65,21 @@ def told(files: Mapping[str, bytes]) -> list[str]:
     return [*lines, f"bodies    {data['comparison']}", *(f"note      {note}" for note in data["notes"])]
 
 
+def _not_here(mends: Sequence[Mend]) -> list[str]:
+    """A note of lines that were drawn, and are of no part."""
+    strays = [mend for mend in mends if mend.what == STRAY]
+    if not strays:
+        return []
+    are = (
+        f"{len(strays)} lines that bound nothing are" if len(strays) > 1 else "a line that bounds nothing is"
+    )
+    where = f"{'one of them ' if len(strays) > 1 else ''}at {millimetres(strays[0].at)}, {strays[0].source}"
+    return [f"{are} not in these files, {where}: a slit that ends amid a facet is added in CAD"]
+
+
 def _laminate(design: Design, options: ExportOptions) -> dict[str, bytes]:
     plan = plan_of(design, options.hinge_style, options.hinge_width, options.kerf)
-    notes = list(plan.notes)
+    notes = [*plan.notes, *_not_here(design.mends)]
     drawn: list[list[CutLine]] = []
     for layer in plan.layers:
         lines, told_of = lines_of(layer, options.kerf) if layer.parts.geoms else ([], [])
@@ -138,7 +151,7 @@ def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
     lines = lines_of_sheet(sheet, is_cut=True)
     rims = [line for line in lines if line.pen.name in _BORDERS]
     area = _area(rims)
-    notes = []
+    notes = _not_here(mechanism.mends)
     pieces = MultiPolygon(_pieces(rims))
     parts = _parts(pieces, lines)
     if options.kerf:

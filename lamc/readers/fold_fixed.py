@@ -48,7 +48,7 @@ def fixed_groups(
     if isinstance(given, str):
         chosen = [_named(given, faces)]
     elif given is not None:
-        chosen = [groups[_at(given, faces)]]
+        chosen = [groups[_at(given, faces, size)]]
     elif own is not None:
         chosen = sorted({group for group, name in names.items() if name in own})
     pieces = pieces_of(sorted(set(groups)), [crease.groups for crease in creases])
@@ -73,8 +73,8 @@ def _named(given: str, faces: Placed) -> int:
     return by_name[given]
 
 
-def _at(given: tuple[float, float], faces: Placed) -> int:
-    """The face at a place of the file."""
+def _at(given: tuple[float, float], faces: Placed, size: float) -> int:
+    """The face at a place of the file; size: of the sheet, m."""
     point, place = shapely.Point(given), f"({given[0]:g}, {given[1]:g}) m"
     within = [k for k, each in enumerate(faces.seen) if each.is_valid and each.covers(point)]
     if not within:
@@ -83,6 +83,13 @@ def _at(given: tuple[float, float], faces: Placed) -> int:
             f"F{len(faces.groups) - 1}"
         )
     over = [k for k in within if faces.seen[k].contains(point)] if faces.may_lie_over else []
+    met = [k for k, each in enumerate(faces.seen) if shapely.distance(each, point) <= IN_LINE * size]
+    if not over and len({faces.groups[k] for k in met}) > 1:
+        names = [faces.names[faces.groups[k]] for k in met]
+        raise DesignError(
+            f"{place} lies where facets meet, {listed_names(names)}: give a place amid one, or name it, as --fixed "
+            f"{names[0]}"
+        )
     if len(over) > 1:
         listed = listed_names([faces.names[faces.groups[k]] for k in over])
         raise DesignError(

@@ -7,10 +7,12 @@ them (`effects_schema`).
 from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, model_validator
 from pydantic_core import CoreSchema, core_schema
 
-from lamc.basics.fields import UNIT
+from lamc.basics.checks import shown
+from lamc.basics.errors import DesignError
+from lamc.basics.fields import UNIT, part
 from lamc.readers.fields import AngleRate, AnyAngle, Duration, Gap, LengthUnit, SpacePoint, StrictModel
 from lamc.readers.series_file import GAPS
 from lamc.records.series import BEYOND, HOLDS
@@ -133,6 +135,16 @@ class SceneModel(StrictModel):
         description="what matters of the motion: joints, coordinates, BODY.x, BODY.y, BODY.z (centres of mass), and "
         "points of bodies as {name, body, point}; all joints if not said",
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _is_no_name(cls, data: Any) -> Any:
+        with part():
+            if isinstance(data, str):
+                raise DesignError(
+                    f"a scene is a map, and it is {shown(data)}; write {{like: NAME}} for one of `scenes`"
+                )
+        return data
 
 
 ScenesModel = Annotated[

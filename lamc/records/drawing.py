@@ -63,11 +63,14 @@ class Drawing:
     file: str = ""
 
 
+STRAY = "line that bounds nothing"  # of a `Mend`: what was drawn, and is no part of the design
+
+
 @dataclass(frozen=True)
 class Mend:
     """One thing that healing changed.
 
-    what    "end points joined", "doubled line", "T-junction", "gap in an outline", "stray mark", "hinge extended", …
+    what    "end points joined", "doubled line", "T-junction", "gap in an outline", "hinge extended", `STRAY`, …
     at      m, where
     moved   m, how far; 0 where nothing moved
     source  strokes that it is about

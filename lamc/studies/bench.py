@@ -125,11 +125,8 @@ class Bench:
             return self._without(index, REFUSED, error.message)
         except Exception as error:  # of a function that the user gave; it shall not end the study
             return self._without(index, ERROR, f"{type(error).__name__}: {error}")
-        undefined = [
-            f"{name!r} is {value}"
-            for name, value in zip(self.subject.measures, values, strict=True)
-            if not math.isfinite(value)
-        ]
+        asked = [measure.times for measure in self.subject.measures.values()]
+        undefined = undefined_values(tuple(self.subject.measures), values, asked, result)
         return Row(index, UNDEFINED if undefined else OK, ", ".join(undefined), values)
 
     def _without(self, index: int, status: str, reason: str) -> Row:
@@ -211,6 +208,19 @@ class Bench:
         if scene is not None:
             scene = started(scene, by_kind["angle"], by_kind["rate"])
         return compile_design(design, scene, subject.options, cache=self._cache)
+
+
+def undefined_values(
+    names: Sequence[str], values: Sequence[float], times: Sequence[Sequence[float]], result: Result
+) -> list[str]:
+    """Which values are no numbers, in words. times: at which each asks for values, s."""
+    found = []
+    for name, value, asked in zip(names, values, times, strict=True):
+        if not math.isfinite(value):
+            end = float(result.t[-1]) if len(result.t) else 0.0
+            late = f": the run ends at {end:g} s" if max(asked, default=0.0) > end else ""
+            found.append(f"{name!r} is {value}{late}")
+    return found
 
 
 def without_values(index: int, status: str, reason: str, count: int) -> Row:

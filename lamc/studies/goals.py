@@ -80,6 +80,10 @@ def goal_of(given: object, outputs: Outputs) -> Goal:
     root mean square. Raises RequestError and ExpressionError."""
     if isinstance(given, str):
         measure = Measure.parse(given, outputs)
+        if read(given, outputs).number is not None:
+            raise RequestError(
+                f"the goal {given.strip()!r} is the same in every run; name what a run gives, such as 'max(tip.z)'"
+            )
         is_root, parts = _squares(given, outputs)
         return Goal(given.strip(), measure.unit, measure.times, measure, is_root=is_root, parts=parts)
     if isinstance(given, Measure):

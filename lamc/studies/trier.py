@@ -4,7 +4,6 @@ In: a `Trier`, which travels between processes, and points. Out: `Tried` rows: g
 gives depends on nothing but the point. A point that makes no run is a row with its reason.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -13,7 +12,18 @@ import numpy as np
 from lamc.basics.errors import BuildError, LamcError
 from lamc.run.request import Array, Status
 from lamc.run.result import Result
-from lamc.studies.bench import ERROR, FAILED, OK, REFUSED, UNDEFINED, Bench, Row, Subject, without_values
+from lamc.studies.bench import (
+    ERROR,
+    FAILED,
+    OK,
+    REFUSED,
+    UNDEFINED,
+    Bench,
+    Row,
+    Subject,
+    undefined_values,
+    without_values,
+)
 from lamc.studies.goals import Constraint, Goal
 from lamc.studies.gradient import gradient
 from lamc.studies.space import Space
@@ -122,12 +132,12 @@ class Trier:
             return without_values(index, REFUSED, error.message, self.width), None
         except Exception as error:  # of a function that the user gave; it shall not end the search
             return without_values(index, ERROR, f"{type(error).__name__}: {error}", self.width), None
-        names = [*(goal.text for goal in self.goals), *(each.text for each in self.constraints)]
-        undefined = [
-            f"{name!r} is {value}"
-            for name, value in zip(names, values, strict=True)
-            if not math.isfinite(value)
+        named = [
+            *((goal.text, goal.times) for goal in self.goals),
+            *((each.text, each.measure.times) for each in self.constraints),
         ]
+        names, times = zip(*named, strict=True)
+        undefined = undefined_values(names, values, times, result)
         residual = found[0][1]
         if not undefined and residual is not None and not np.isfinite(residual).all():
             undefined.append(f"{self.goals[0].text!r} has residuals that are not finite")

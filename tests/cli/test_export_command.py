@@ -254,6 +254,9 @@ def test_cut_files_are_told_with_their_areas_masses_and_notes(tmp_path: Path) ->
     )
     options = {"kerf": 1e-4, "stock": (0.3, 0.2), "pins": 3e-3}
     made = lamc.export(mechanism_of("flaps"), "cut", out=tmp_path / "python", **options)
+    as_json = call("--example", "flaps", "--to", "cut", "--out", "there", "--json")
+    (note,) = [line for line in json.loads(as_json.stdout)["told"] if line.startswith("note")]
+    assert note == "note no supports are drawn: bridges that hold parts in their sheets are added in CAD"
     assert content(made) == content(tmp_path / "here")
 
 

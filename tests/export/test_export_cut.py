@@ -269,7 +269,7 @@ def test_slits_narrower_than_the_kerf_are_cut_once_and_part_their_boards() -> No
     assert len(slits) == 2
     beam = shapely.union_all([shapely.buffer(line, kerf / 2) for line in slits])
     assert len(shapely.get_parts(shapely.difference(parts(lines), beam))) == 3
-    assert any("2 slits of hinges are narrower than the kerf of 500 um" in line for line in told(made))
+    assert any("2 slits of hinges are no wider than the kerf of 500 um" in line for line in told(made))
 
 
 def test_a_gap_as_wide_as_the_kerf_is_cut_once() -> None:
@@ -695,3 +695,16 @@ def test_perforations_keep_a_bridge_beside_a_window() -> None:
         ends = [each for each in reach if low <= each[0] < high]
         assert ends[0][0] - low == pytest.approx(high - ends[-1][1], rel=1e-6)
         assert ends[0][0] - low == pytest.approx(10.0 / 12.0, rel=1e-6)  # a quarter of a pitch
+
+
+def test_a_line_that_bounds_nothing_is_told_to_be_missing(tmp_path: Path) -> None:
+    (tmp_path / "slit.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="50mm" viewBox="0 0 100 50">'
+        '<path stroke="black" fill="none" d="M0 0H100V50H0Z"/><path stroke="red" stroke-opacity=".5" d="M50 0V50"/>'
+        '<path id="slit" stroke="#00ff00" d="M10 10H30"/></svg>'
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        made = cut(lamc.load(tmp_path / "slit.svg"))
+    (note,) = [line for line in told(made) if "bounds nothing" in line]
+    assert "a line that bounds nothing is not in these files, at (20, -10) mm, path #slit" in note

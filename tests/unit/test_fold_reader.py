@@ -287,6 +287,19 @@ def test_the_fixed_facet_is_in_the_middle_named_or_pointed_at(tmp_path: Path) ->
             fixed(fixed=wrong)
 
 
+def test_a_place_where_facets_meet_is_of_none(tmp_path: Path) -> None:
+    data = {
+        "vertices_coords": [[0, 0], [1, 0], [2, 0], [2, 1], [1, 1], [0, 1]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0], [1, 4]],
+        "edges_assignment": ["B"] * 6 + ["V"],
+        "frame_unit": "m",
+    }
+    for place in ((1.0, 0.5), (1.0, 0.0), (1.0 + 1e-12, 0.5)):
+        with pytest.raises(lamc.DesignError, match="lies where facets meet, F0, F1: give a place amid one"):
+            read(tmp_path, data, fixed=place)
+    assert [body.name for body in read(tmp_path, data, fixed=(1.01, 0.5)).bodies if body.fixed] == ["F1"]
+
+
 def test_frames_inherit_and_a_bare_key_frame_gives_way(tmp_path: Path) -> None:
     flat = corpus.miura(2, 2)
     data = {"file_spec": 1.2, "file_frames": [flat, {"frame_parent": 1, "frame_inherit": True}]}

@@ -50,6 +50,7 @@ def test_ranges_that_are_none(vary: Any, told: str) -> None:
         ({"minimise": "time_of(hh < 0)"}, "no output of a run is named 'hh'"),
         ({"minimise": "h"}, "it has a value at every time"),
         ({"minimise": 3.0}, "minimise is 3.0"),
+        ({"minimise": "2*pi"}, "the goal '2*pi' is the same in every run"),
         ({"subject_to": ["max(h)"]}, "is no comparison"),
         ({"subject_to": ["max(h) = 1"]}, "is no comparison"),
         (

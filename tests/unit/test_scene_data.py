@@ -81,6 +81,8 @@ def test_effects_take_units_in_files() -> None:
         ("spring", {"body_a": "a"}, "x: spring needs point_a and body_b and point_b and stiffness: give body_a, "),
         ("hinge_stiffness", 3, "x: hinge_stiffness takes no value"),
         ("torque", {"h": "3 kg"}, "x.h: 'kg' is not a unit of torques of 'h'; expected N*m"),
+        ("torque", {"h": "3 N*mm*sin(t)"}, "x.h: 'N*mm*sin(t)' is not a unit of torques of 'h'; a unit stands behind"),
+        ("torque", {"h": "3 N*mm - 1"}, "x.h: 'N*mm - 1' is not a unit of torques of 'h'; a unit stands behind"),
         ("torque", 3, "x: torques is 3; give a map from names to numbers (N*m)"),
         ("torque", {"h": "3*x()"}, "x.h: the torque of joint 'h': expression '3*x()', column 3: 'x' is not known"),
     ],

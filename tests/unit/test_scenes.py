@@ -127,6 +127,10 @@ REFUSED = [
         ": a scene cannot be like itself",
     ),
     ("scenes:\n  a: {like: a}", "2:13: scenes.a.like: 'a', which is like 'a'"),
+    (
+        "scenes: {a: {duration: 1}}\nscene: a",
+        "2:8: scene: a scene is a map, and it is 'a'; write {like: NAME}",
+    ),
     ("scenes:\n  a: {}", "2:6: scenes.a: the scene says nothing; give effects, angles"),
     ("scenes:\n  a:", "2:5: scenes.a: a map of keys and values is expected here"),
     ("scene: {}", "1:8: scene: the scene says nothing"),

@@ -80,6 +80,8 @@ def test_what_went_wrong_is_a_row_with_its_reason():
     found = study({"t_end": [0.01, 0.1]}, {"down": "time_of(hip < 0.49)"}).run(None, 1)
     assert found.tally() == {"ok": 1, "undefined": 1}
     assert found.reasons == {0: "'down' is nan"}
+    found = study({"t_end": [0.01, 0.1]}, {"late": "at(hip, 0.05 s)"}).run(None, 1)
+    assert found.reasons == {0: "'late' is nan: the run ends at 0.01 s"}
     slow = RunOptions(t_end=1.0, max_steps=3)
     found = study({"hip.stiffness": [1e-3]}, run=slow).run(None, 1)
     assert found.tally() == {"failed": 1}

@@ -94,7 +94,7 @@ def _narrow(layer: CutLayer, grown: MultiPolygon, lines: list[LineString], kerf:
     notes = []
     if lines:
         notes.append(
-            f"{name}: {len(lines)} slits of hinges are narrower than the kerf of {_um(kerf)} and are cut once, along "
+            f"{name}: {len(lines)} slits of hinges are no wider than the kerf of {_um(kerf)} and are cut once, along "
             "the hinge line; each side loses half of what the kerf is wider"
         )
     beams = shapely.buffer(shapely.union_all(lines), 0.51 * kerf)

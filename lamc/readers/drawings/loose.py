@@ -16,7 +16,7 @@ from lamc.basics.errors import DesignError
 from lamc.readers.drawings.heal import CREASES, MOST, OUTLINES, Graph, size_of
 from lamc.readers.drawings.telling import millimetres, name_of
 from lamc.readers.fold_groups import pieces_of
-from lamc.records.drawing import Mend, Stroke
+from lamc.records.drawing import STRAY, Mend, Stroke
 
 # Of the size: ends of one line that are farther apart are a side that is missing, and not to be joined.
 _SLIP = 0.02
@@ -52,7 +52,7 @@ def left_out(
     for k in gone:
         owner = graph.strokes[k]
         x, y = graph.points[list(graph.edges[k])].mean(axis=0).tolist()
-        found.setdefault(owner, Mend("line that bounds nothing", (x, y), 0.0, name_of(strokes, owner)))
+        found.setdefault(owner, Mend(STRAY, (x, y), 0.0, name_of(strokes, owner)))
     return list(found.values())
 
 

@@ -31,6 +31,7 @@ class LamcError(Exception):
     """Root of all errors raised on purpose.
 
     subject  the record that the error is about, where one is known: who read it from a file knows its place there
+    part     of the record, by keys
     """
 
     exit_code = 2
@@ -39,6 +40,7 @@ class LamcError(Exception):
         self.message = " ".join(message.split())
         self.place = place
         self.subject: object = None
+        self.part: tuple[str | int, ...] = ()
         super().__init__(f"{place}: {self.message}" if place else self.message)
 
 
@@ -54,7 +56,7 @@ class DesignErrors(DesignError):  # noqa: N818  it is what it says: several erro
         Exception.__init__(self, "\n".join(str(p) for p in self.problems))
         self.message = str(self)
         self.place = self.problems[0].place if self.problems else None
-        self.subject = None
+        self.subject, self.part = None, ()
 
 
 class TopologyError(DesignError):
@@ -107,11 +109,11 @@ class BuildError(LamcError):
 
 
 @contextmanager
-def about(record: object) -> Iterator[None]:
-    """LamcErrors of the block are about `record`, unless they already are about another."""
+def about(record: object, *part: str | int) -> Iterator[None]:
+    """LamcErrors of the block are about `record`, or a part of it, unless they already are about another."""
     try:
         yield
     except LamcError as error:
         if error.subject is None:
-            error.subject = record
+            error.subject, error.part = record, part
         raise

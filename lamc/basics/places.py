@@ -3,7 +3,7 @@
 In: places from readers of files. Out: the place for an error. Records that were made by hand have none.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -14,21 +14,25 @@ Path = tuple[str | int, ...]
 
 @dataclass(frozen=True)
 class Places:
-    """Keys from the top of the file, or of the scene, and the place; and records that errors may be about."""
+    """Keys from the top of the file, or of the scene, and the place; and records that errors may be about, each with
+    the places of its keys."""
 
     known: tuple[tuple[Path, Place], ...] = ()
-    records: tuple[tuple[object, Place], ...] = ()
+    records: tuple[tuple[object, Place, Mapping[str, Place]], ...] = ()
 
     def of(self, *path: str | int) -> Place | None:
         """The place of what stands at `path`, or of the nearest thing around it; None where nothing is known."""
         known = dict(self.known)
         return next((known[path[:n]] for n in range(len(path), -1, -1) if path[:n] in known), None)
 
-    def of_subject(self, subject: object) -> Place | None:
-        """The place of what an error is about: a record of these, or a path."""
+    def of_subject(self, subject: object, part: Path = ()) -> Place | None:
+        """The place of what an error is about: a record of these or a part of it, or a path."""
         if isinstance(subject, tuple):
             return self.of(*subject)
-        return next((place for record, place in self.records if record is subject), None)
+        for record, place, keys in self.records:
+            if record is subject:
+                return next((keys[str(key)] for key in part if str(key) in keys), place)
+        return None
 
 
 @contextmanager
@@ -39,9 +43,9 @@ def located_at(places: Places) -> Iterator[None]:
     except DesignErrors:
         raise
     except LamcError as error:
-        place = (
-            places.of_subject(error.subject) if error.place is None and error.subject is not None else None
-        )
+        place = None
+        if error.place is None and error.subject is not None:
+            place = places.of_subject(error.subject, error.part)
         if place is None:
             raise
         raise type(error)(error.message, place) from error

@@ -53,8 +53,7 @@ class BaseMotion(RegisteredEffect):
     def __post_init__(self) -> None:
         super().__post_init__()
         for drive in self.drives():
-            with about(("angle",) if drive.text == self.angle else ("displacement",)):
-                checked_drive(drive)
+            checked_drive(drive)
         if not 0.0 < math.hypot(*self.axis) < math.inf:
             with about(("axis",)):
                 raise DesignError(
@@ -88,12 +87,13 @@ class BaseMotion(RegisteredEffect):
 
     def drives(self) -> tuple[Drive, ...]:
         """The displacements and the angle that are expressions."""
-        reported = {
-            f"the {axis} displacement": value for axis, value in zip("xyz", self.displacement, strict=True)
-        }
-        reported |= {"the angle": self.angle}
+        given: list[tuple[str, float | str, tuple[str | int, ...]]] = [
+            (f"the {axis} displacement", value, ("displacement", k))
+            for k, (axis, value) in enumerate(zip("xyz", self.displacement, strict=True))
+        ]
+        given.append(("the angle", self.angle, ("angle",)))
         return tuple(
-            Drive(f"{name} of base_motion", value, smooth=True)
-            for name, value in reported.items()
+            Drive(f"{name} of base_motion", value, smooth=True, field=field)
+            for name, value, field in given
             if isinstance(value, str)
         )

@@ -114,8 +114,7 @@ class PiezoBender(RegisteredEffect):
                 f"a piezo bender has both ends on body {self.body_a!r}; it must join two bodies"
             )
         for drive in self.drives():
-            with about(("voltage",)):
-                checked_drive(drive)
+            checked_drive(drive)
         plies = len(self.laminate.plies)
         if len(self.polarity) != plies:
             with about(("polarity",)):
@@ -254,7 +253,7 @@ class PiezoBender(RegisteredEffect):
 
     def drives(self) -> tuple[Drive, ...]:
         """The voltage where it is an expression."""
-        return (Drive(_VOLTAGE, self.voltage),) if isinstance(self.voltage, str) else ()
+        return (Drive(_VOLTAGE, self.voltage, field=("voltage",)),) if isinstance(self.voltage, str) else ()
 
     def _label(self, taken: Sequence[str]) -> str:
         """What the bender's parameters begin with; a second one between the same bodies is number 2."""

@@ -96,9 +96,8 @@ class Cable(RegisteredEffect):
                 raise DesignError(
                     "the cable has friction, but no point between its ends to rub on: leave one out"
                 )
-        with about(("length",)):
-            for drive in self.drives():
-                checked_drive(drive)
+        for drive in self.drives():
+            checked_drive(drive)
 
     @property
     def conservative(self) -> bool:
@@ -108,7 +107,7 @@ class Cable(RegisteredEffect):
     def drives(self) -> tuple[Drive, ...]:
         """The length, if it is an expression."""
         what = f"the length of the cable from {self.bodies[0]!r} to {self.bodies[-1]!r}"
-        return (Drive(what, self.length),) if isinstance(self.length, str) else ()
+        return (Drive(what, self.length, field=("length",)),) if isinstance(self.length, str) else ()
 
     def contribute(self, loads: Loads) -> None:
         self._check_acts(loads)

@@ -38,12 +38,14 @@ class Drive:
 
     what    the expression gives, for messages: "the torque of joint 'h1'"
     smooth  the effect differentiates it twice by t, so neither it nor its rate may jump within a run
+    field   of the effect in which it stands, by keys
     """
 
     what: str
     text: str
     joint: str | None = None
     smooth: bool = False
+    field: tuple[str | int, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -57,17 +59,19 @@ class Drive:
 
 
 def checked_drive(drive: Drive) -> Drive:
-    """`drive`, if it is in the language and has a value somewhere, and at t = 0. Raises ExpressionError."""
-    try:
-        anything = dict.fromkeys(drive.inputs(), EVERYWHERE)
-        always = undefined(drive.text, anything | _ranges(drive, (0.0, math.inf), EVERYWHERE, EVERYWHERE))
-        start = undefined(drive.text, anything | _ranges(drive, (0.0, 0.0), EVERYWHERE, EVERYWHERE))
-    except ExpressionError as error:
-        raise ExpressionError(f"{drive.what}: {error.message}") from error
-    if always is not None:
-        raise _refusal(drive, always, "at any time")
-    if start is not None:
-        raise _refusal(drive, start, "at t = 0 s")
+    """`drive`, if it is in the language and has a value somewhere, and at t = 0. Raises ExpressionError, about its
+    field."""
+    with about(drive.field):
+        try:
+            anything = dict.fromkeys(drive.inputs(), EVERYWHERE)
+            always = undefined(drive.text, anything | _ranges(drive, (0.0, math.inf), EVERYWHERE, EVERYWHERE))
+            start = undefined(drive.text, anything | _ranges(drive, (0.0, 0.0), EVERYWHERE, EVERYWHERE))
+        except ExpressionError as error:
+            raise ExpressionError(f"{drive.what}: {error.message}") from error
+        if always is not None:
+            raise _refusal(drive, always, "at any time")
+        if start is not None:
+            raise _refusal(drive, start, "at t = 0 s")
     return drive
 
 
@@ -87,7 +91,7 @@ def check_drives(
     for effect in effects:
         for drive in hooked(effect).drives():
             given = tuple((name, inputs[name]) for name in drive.inputs())
-            with about(effect):
+            with about(effect, *drive.field):
                 _check_start(drive, angles, rates, given)
                 _check_instants(drive, t_end, given)
                 _check_smooth(drive, t_end, given)

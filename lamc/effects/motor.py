@@ -107,9 +107,8 @@ class LinearMotor(RegisteredEffect):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        with about(("voltage",)):
-            for drive in self.drives():
-                checked_drive(drive)
+        for drive in self.drives():
+            checked_drive(drive)
         given = [name for name in (*_LINE, *_WINDING) if getattr(self, name) is not None]
         if tuple(given) not in (_LINE, _WINDING):
             raise DesignError(
@@ -210,7 +209,9 @@ class LinearMotor(RegisteredEffect):
     def drives(self) -> tuple[Drive, ...]:
         """The voltage, if it is an expression."""
         what = f"the voltage of the motor on joint {self.joint!r}"
-        return (Drive(what, self.voltage, self.joint),) if isinstance(self.voltage, str) else ()
+        if not isinstance(self.voltage, str):
+            return ()
+        return (Drive(what, self.voltage, self.joint, field=("voltage",)),)
 
 
 def winding(constants: Sequence[Scalar]) -> tuple[Scalar, Scalar]:

@@ -104,9 +104,8 @@ class Pouch(RegisteredEffect):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        with about(("pressure",)):
-            for drive in self.drives():
-                checked_drive(drive)
+        for drive in self.drives():
+            checked_drive(drive)
         given = tuple(name for name in (*_GEOMETRY, *_TABLE) if getattr(self, name) is not None)
         if given not in (_GEOMETRY, _TABLE):
             with about((given[-1],) if given else ()):
@@ -141,7 +140,7 @@ class Pouch(RegisteredEffect):
     def drives(self) -> tuple[Drive, ...]:
         """The pressure, if it is an expression."""
         what = f"the pressure of the pouch on joint {self.joint!r}"
-        return (Drive(what, self.pressure),) if isinstance(self.pressure, str) else ()
+        return (Drive(what, self.pressure, field=("pressure",)),) if isinstance(self.pressure, str) else ()
 
     def contribute(self, loads: Loads) -> None:
         hinge = loads.hinge(self.joint)

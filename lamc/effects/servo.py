@@ -101,9 +101,8 @@ class Servo(RegisteredEffect):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        with about(("command",)):
-            for drive in self.drives():
-                checked_drive(drive)
+        for drive in self.drives():
+            checked_drive(drive)
         if self.no_load_speed is not None and self.stall_torque is None:
             with about(("no_load_speed",)):
                 raise DesignError(
@@ -139,7 +138,7 @@ class Servo(RegisteredEffect):
         """The command, if it is an expression."""
         if not isinstance(self.command, str):
             return ()
-        return (Drive(f"the command of the servo on joint {self.joint!r}", self.command),)
+        return (Drive(f"the command of the servo on joint {self.joint!r}", self.command, field=("command",)),)
 
     def arrange(self, arranging: Arranging) -> None:
         """A gear's inertia asks for the general form of the equations, and its play for a coordinate."""

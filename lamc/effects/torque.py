@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from lamc.basics.errors import about
 from lamc.basics.quantity_fields import Unit
 from lamc.effects.drives import Drive, checked_drive
 from lamc.effects.external_torque import constant_claim, is_outside
@@ -39,8 +38,7 @@ class Torque(RegisteredEffect):
     def __post_init__(self) -> None:
         super().__post_init__()
         for drive in self.drives():
-            with about(("torques", drive.joint or "")):
-                checked_drive(drive)
+            checked_drive(drive)
 
     def contribute(self, loads: Loads) -> None:
         for joint, torque in self.torques.items():
@@ -79,4 +77,4 @@ class Torque(RegisteredEffect):
 
 
 def _drive(joint: str, text: str) -> Drive:
-    return Drive(f"the torque of joint {joint!r}", text, joint)
+    return Drive(f"the torque of joint {joint!r}", text, joint, field=("torques", joint))

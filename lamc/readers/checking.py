@@ -78,8 +78,16 @@ class Problems:
             if error.place is not None:
                 self._found.append(error)
             else:
-                self._found.append(type(error)(f"{shown(path)}: {error.message}", self.place(path)))
+                at = self._within(path, error.part)
+                self._found.append(type(error)(f"{shown(at)}: {error.message}", self.place(at)))
         return None
+
+    def _within(self, path: Path, part: Path) -> Path:
+        """`path`, and further by the keys of `part` that are written there: a shorthand leaves some out."""
+        for key in part:
+            if str(key) in self.places(path):
+                path = (*path, key)
+        return path
 
     def raise_if_any(self) -> None:
         """Raises DesignErrors with what was found, ordered by place; nothing where all is well."""

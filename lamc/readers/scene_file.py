@@ -219,7 +219,7 @@ class _Reader:
         inputs = read_inputs(said.inputs, said.path, called, problems, self.numbers)
         if inputs is None:
             return None
-        made = [(effect, problems.place(path)) for effect, path in called]
+        made = [(e, problems.place(path), problems.places(path)) for e, path in called if e is not None]
         places: list[tuple[Path, Path]] = [((), said.path)]
         places += [(("angles", name), path) for name, (_, path) in said.angles.items()]
         places += [(("rates", name), path) for name, (_, path) in said.rates.items()]
@@ -244,7 +244,7 @@ class _Reader:
                 outputs=tuple(map(_output, outputs)) if "outputs" in said.single else None,
                 inputs=inputs,
                 parameters={name: value for name, (value, _) in said.parameters.items()},
-                places=Places(known, tuple((e, place) for e, place in made if e is not None)),
+                places=Places(known, tuple(made)),
                 **single,
             ),
         )

@@ -143,8 +143,8 @@ def inputs_of(effect: Any) -> tuple[str, ...]:
 def check_inputs(effect: object, known: Collection[str]) -> None:
     """Raises ExpressionError for a name in a drive of `effect` that is no input of the scene, whose names are `known`,
     and DesignError for one that the effect tells."""
-    with about(effect):
-        for drive in hooked(effect).drives():
+    for drive in hooked(effect).drives():
+        with about(effect, *drive.field):
             for name, column in drive.inputs().items():
                 if name not in known:
                     listed = ", ".join((*drive.names, *sorted(known), *FUNCTIONS))
@@ -152,6 +152,7 @@ def check_inputs(effect: object, known: Collection[str]) -> None:
                         f"{drive.what}: expression {drive.text!r}, column {column}: {name!r} is not known; known are "
                         f"{listed}; a number from outside is declared in the scene's inputs"
                     )
+    with about(effect):
         for name in inputs_of(effect):
             if name not in known:
                 raise DesignError(

@@ -101,8 +101,19 @@ def test_it_runs_where_it_has_a_value() -> None:
 
 def test_the_place_in_the_file_is_reported(tmp_path: Path) -> None:
     scene = scene_of_text("with:\n  torque: {h0: sqrt(1 - t)}\n", "s.yaml")
-    with pytest.raises(LamcError, match=r"^s\.yaml:2:\d+: the torque of joint 'h0': expression"):
+    with pytest.raises(LamcError, match=r"^s\.yaml:2:16: the torque of joint 'h0': expression"):
         lamc.compile(chain(1), scene).run(t_end=2.0)
+
+
+def test_the_place_is_that_of_the_field(tmp_path: Path) -> None:
+    motor = (
+        "linear_motor:\n    joint: h0\n    torque_constant: 1\n    resistance: 1\n    voltage: sqrt(1 - t)\n"
+    )
+    with pytest.raises(LamcError, match=r"^s\.yaml:6:14: the voltage of the motor on joint 'h0': expression"):
+        lamc.compile(chain(1), scene_of_text(f"with:\n  {motor}", "s.yaml")).run(t_end=2.0)
+    base = "with:\n  base_motion:\n    displacement: [0, 'log(1 - t)', 0]\n"
+    with pytest.raises(LamcError, match=r"^s\.yaml:3:19: the y displacement of base_motion: expression"):
+        lamc.compile(chain(1), scene_of_text(base, "s.yaml")).run(t_end=2.0)
 
 
 def test_moved_bases_and_motors_are_looked_at_too() -> None:

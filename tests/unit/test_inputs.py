@@ -376,7 +376,7 @@ def test_scenes_with_inputs_are_written_and_read_again() -> None:
         ),
         (
             "inputs: {}",
-            "2:21: scene.effects.torque: the torque of joint 'h1': expression 'drive*t', column 1",
+            "2:26: scene.effects.torque.h1: the torque of joint 'h1': expression 'drive*t', column 1",
         ),
         ("inputs: 3", "scene.inputs: "),
     ],

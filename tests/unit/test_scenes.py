@@ -160,7 +160,7 @@ REFUSED = [
     ),
     (
         "scenes:\n  a: {with: {torque: {h: 3*x}}}",
-        "2:22: scenes.a.with.torque: the torque of joint 'h': expression '3*x', column 3: 'x' is not known",
+        "2:26: scenes.a.with.torque.h: the torque of joint 'h': expression '3*x', column 3: 'x' is not known",
     ),
     (
         "scenes:\n  a: {with: {torque: {h: __import__('os')}}}",

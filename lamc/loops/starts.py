@@ -145,6 +145,15 @@ class Starter:
             raise DesignError(self._no_motion(angles, given, missed))
         return rates
 
+    @on_one_thread
+    def is_elsewhere(self, start: Scene) -> bool:
+        """Whether the angles of `start` are none that the mechanism comes to from a regular drawn position without a
+        dead point, so that of the closed positions with them the one of smallest angles is taken."""
+        drawn = np.zeros(self.size)
+        if not start.angles or self.size > LARGE or self.count.accepted_gap or self.is_singular(drawn):
+            return False
+        return self._led_along(*self._given(start.angles)) is None
+
     def given(self, values: Mapping[str, float]) -> Array:
         """`values` by name as a row (n,) of all joints, and zero for the others."""
         return self._given(values)[0]
@@ -184,7 +193,7 @@ class Starter:
         """The position on the branch of the drawn one, if that leads there: the way of assembly that was drawn."""
         if self.size > LARGE or self.count.accepted_gap:
             return None
-        return led_along(self.geometry, np.zeros(self.size), wanted, free, LED)
+        return led_along(self.geometry, np.zeros(self.size), wanted, free)
 
     def _led_there(self, wanted: Array, free: Mask) -> tuple[Array, float]:
         """As `_closed`, from the drawn position by steps of what is given, whose branch is not known to lead there."""

@@ -60,6 +60,15 @@ def listed(branches: Sequence[Branch], most: int = 4) -> str:
     return "; ".join(texts) + more
 
 
+def elsewhere_note(given: Mapping[str, float]) -> str:
+    """That a start is not on the way from the drawing."""
+    return (
+        f"the drawn mechanism does not move to {named(given)} rad without a dead point on its way, or at its start: of "
+        "the closed positions with these angles the one of smallest angles is the start, which may be another way of "
+        "assembly; give angles of other joints too"
+    )
+
+
 def pushed_note(number: int, branches: Sequence[Branch]) -> str:
     """Which branch of a singular start at rest is taken, and the others."""
     others = [k for k in range(1, len(branches) + 1) if k != abs(number)]

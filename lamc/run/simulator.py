@@ -21,7 +21,7 @@ from lamc.basics.places import located_at
 from lamc.basics.progress import part_told
 from lamc.basics.seen import Viewable
 from lamc.loops.rank import LoopCount
-from lamc.loops.texts import pushed_note
+from lamc.loops.texts import elsewhere_note, pushed_note
 from lamc.mechanism.plan import plan
 from lamc.records.effect import Effect, notes_of
 from lamc.records.mechanism import Mechanism
@@ -144,11 +144,13 @@ class Simulator(Running, OperatingPoints, Viewable):
 
     @lazy
     def notes(self) -> tuple[str, ...]:
-        """Where effects may be wrong in this mechanism, in their own words, and which branch a singular start takes
-        that the scene does not choose; found when asked for."""
+        """Where effects may be wrong in this mechanism, in their own words, which branch a singular start takes that
+        the scene does not choose, and that a start is not on the way from the drawing; found when asked for."""
         notes = notes_of(self.effects, plan(self.mechanism)) if self.effects else ()
         pushed = self.pushed_branch
-        return notes if pushed is None else (*notes, pushed_note(pushed, self.branches))
+        if pushed is not None:
+            notes = (*notes, pushed_note(pushed, self.branches))
+        return (*notes, elsewhere_note(self._rigid_scene.angles)) if self._is_elsewhere() else notes
 
     @lazy
     def inputs(self) -> tuple[str, ...]:

@@ -119,6 +119,10 @@ class Starting(Evaluations):
             return self._loops.pushed if self._starter.is_undecided(rigid) else None
         return self._starter.pushed_branch(rigid, push_of(self._default_motion, self._arrangement))
 
+    def _is_elsewhere(self) -> bool:
+        """Whether the start is none that the mechanism moves to from the drawing."""
+        return bool(self._model.cuts) and self._starter.is_elsewhere(self._rigid_scene)
+
     def _gap_at(self, angles: Array) -> str:
         """How far loops are open at angles (n,), rad, of the joints, in words."""
         geometry, known = geometry_of(self._arrangement.tree), dict(zip(self.joints, angles, strict=True))

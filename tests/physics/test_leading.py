@@ -41,7 +41,7 @@ def test_long_steps_come_to_where_short_ones_come(name: str, angle: float) -> No
         place, error = settle(geometry, np.where(free, place, wanted * step / count), free)
         if error > NEAR:  # it closes no farther
             break
-    led = led_along(geometry, np.zeros(len(free)), wanted, free, 0.1)
+    led = led_along(geometry, np.zeros(len(free)), wanted, free)
     if led is None:  # beyond where it closes, or within a step of it, as the six-bar is drawn
         assert error > NEAR or name == "six_bar"
     else:
@@ -53,7 +53,7 @@ def test_nothing_is_led_out_of_a_singular_position() -> None:
     """A vertex is drawn flat, where its branches part: which of them was meant, a tangent does not say."""
     geometry = geometry_of("vertex")
     free = np.arange(len(geometry.names)) > 0
-    assert led_along(geometry, np.zeros(len(free)), np.where(free, 0.0, 0.5), free, 0.1) is None
+    assert led_along(geometry, np.zeros(len(free)), np.where(free, 0.0, 0.5), free) is None
 
 
 @pytest.mark.parametrize("name", sorted(GIVEN))

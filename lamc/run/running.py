@@ -17,6 +17,7 @@ from lamc.run.energy_balance import Kept
 from lamc.run.extended import Extended
 from lamc.run.model import Motion
 from lamc.run.request import Request
+from lamc.run.resting import longest_step
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.sensitivities import Differentiated
@@ -40,6 +41,10 @@ class Running(Extended):
         started = time.perf_counter()
         carrier = motion if differentiated is None else differentiated.motion
         carrier = carrier if request.tape is None else request.tape.motion
+        if request.tape is not None:
+            span, tolerance = (request.t_start, request.t_end), max(request.rtol, request.atol)
+            longest = longest_step(carrier, request.y0, span, tolerance, self.mechanism.size)
+            request = replace(request, max_step=min(request.max_step, longest))
         used, trajectory = integrators.integrate(integrator, carrier, request)
         wall_time = time.perf_counter() - started
         provenance, marks = self._circumstances(motion)

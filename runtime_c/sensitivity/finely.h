@@ -8,7 +8,7 @@
 
 #include "replay.h"
 
-enum { FINE_STAGES = 12, FINE_TRIES = 400 };
+enum { FINE_STAGES = 12, FINE_TRIES = 20000, FINE_MISSED = 200 };
 
 /* Of an error of S in a step, over the size of its column, what the tolerance of the run allows */
 static const lamc_real LAMC_S_PER_RTOL = 1e3;
@@ -108,38 +108,81 @@ static inline lamc_real lamc_fine_step(lamc_sensitivity *s, lamc_real t, lamc_re
   return lamc_s_error(n, s->width, h, slopes, FINE_STAGES, DOP853_E5, DOP853_E3, sens_new);
 }
 
-/* S over the last step of the run, into `end`, by steps of its own. room: lamc_fine_size; rows: (n, width) of scratch */
-static inline void lamc_follow_finely(lamc_sensitivity *s, lamc_real *room, lamc_real *rows) {
-  const lamc_run *run = &s->run;
-  const int n = run->ode.n, row = padded(n);
-  const ptrdiff_t size = (ptrdiff_t)n * s->width;
-  lamc_real *k = room, *y = k + (ptrdiff_t)FINE_STAGES * row, *y_new = y + row;
-  lamc_real *slopes = y_new + 2 * row, *sens = slopes + FINE_STAGES * size, *sens_new = sens + size;
-  const lamc_real enough = LAMC_S_PER_RTOL * run->options.rtol, shortest = LAMC_R(1e-9) * run->h_last;
-  lamc_real t = run->t_old, h = LAMC_R(0.1) * run->h_last;
-  memcpy(y, y_there(run), (size_t)n * sizeof *y);
-  memcpy(sens, s->start, (size_t)size * sizeof *sens);
-  for (int i = 0; i < FINE_TRIES; i++) {
-    const int is_last = LAMC_R(1.01) * h >= run->t - t;
-    if (is_last) h = run->t - t;
-    const lamc_real error = lamc_fine_step(s, t, h, y, sens, y_new, sens_new, k, slopes);
+/* Room for such steps: slopes of y at the stages, y, the next one, y where the run's step began, slopes of S, S, the next one */
+typedef struct lamc_fine_room {
+  lamc_real *k, *y, *y_new, *y_begin, *slopes, *sens, *sens_new;
+} lamc_fine_room;
+
+static inline lamc_fine_room lamc_fine_room_of(const lamc_sensitivity *s) {
+  const int row = padded(s->run.ode.n);
+  const ptrdiff_t size = (ptrdiff_t)s->run.ode.n * s->width;
+  lamc_fine_room f;
+  f.k = s->room.fine;
+  f.y = f.k + (ptrdiff_t)FINE_STAGES * row;
+  f.y_new = f.y + row;
+  f.y_begin = f.y_new + row;
+  f.slopes = f.y_begin + row;
+  f.sens = f.slopes + FINE_STAGES * size;
+  f.sens_new = f.sens + size;
+  return f;
+}
+
+/* y and S stand where the last step of the run began */
+static inline void lamc_begin_finely(lamc_sensitivity *s, const lamc_fine_room *f) {
+  memcpy(f->y, f->y_begin, (size_t)s->run.ode.n * sizeof *f->y);
+  memcpy(f->sens, s->start, (size_t)s->run.ode.n * (size_t)s->width * sizeof *f->sens);
+  s->fine_t = s->run.t_old;
+  s->fine_h = LAMC_R(0.1) * s->h_fine_run;
+}
+
+/* y and S go on by steps of their own to `until`; 0: they take too many. rows: (n, width) of scratch */
+static inline int lamc_go_finely(lamc_sensitivity *s, const lamc_fine_room *f, lamc_real until,
+                                 lamc_real *rows) {
+  const int n = s->run.ode.n;
+  const lamc_real enough = LAMC_S_PER_RTOL * s->run.options.rtol, shortest = LAMC_R(1e-9) * s->h_fine_run;
+  for (int i = 0, missed = 0; i < FINE_TRIES; i++) {
+    const int is_last = LAMC_R(1.01) * s->fine_h >= until - s->fine_t;
+    const lamc_real h = is_last ? until - s->fine_t : s->fine_h;
+    const lamc_real error =
+        lamc_fine_step(s, s->fine_t, h, f->y, f->sens, f->y_new, f->sens_new, f->k, f->slopes);
     const lamc_real factor = LAMC_R(0.9) * pow(larger(error, LAMC_R(1e-3) * enough) / enough, LAMC_R(-0.2));
-    if (!(error <= enough) && h > shortest && i < FINE_TRIES / 2) {
-      h *= larger(factor, LAMC_R(0.1));
+    if (!(error <= enough) && h > shortest && missed < FINE_MISSED) {
+      s->fine_h = h * larger(factor, LAMC_R(0.1));
+      missed++;
       continue;
     }
     lamc_real moved = 0;
-    t = is_last ? run->t : t + h;
-    memcpy(y, y_new, (size_t)n * sizeof *y);
-    memcpy(sens, sens_new, (size_t)size * sizeof *sens);
-    if (s->beside.baumgarte == 0) (void)lamc_motion_settle(&s->beside, t, y, &moved);
-    lamc_vary_settle(s, t, y, sens, rows);
-    h *= factor;
-    if (is_last) {
-      memcpy(s->end, sens, (size_t)size * sizeof *sens);
-      return;
-    }
-  } /* too many: S of the run's own step stays */
+    s->fine_t = is_last ? until : s->fine_t + h;
+    memcpy(f->y, f->y_new, (size_t)n * sizeof *f->y);
+    memcpy(f->sens, f->sens_new, (size_t)n * (size_t)s->width * sizeof *f->sens);
+    if (s->beside.baumgarte == 0) (void)lamc_motion_settle(&s->beside, s->fine_t, f->y, &moved);
+    lamc_vary_settle(s, s->fine_t, f->y, f->sens, rows);
+    s->fine_h = is_last ? larger(s->fine_h, h * factor) : h * factor;
+    if (is_last) return 1;
+  }
+  return 0;
+}
+
+/* S over the last step of the run, into `end`, by steps of its own; 0: they are too many. rows: (n, width) of scratch */
+static inline int lamc_follow_finely(lamc_sensitivity *s, lamc_real *rows) {
+  const lamc_run *run = &s->run;
+  const lamc_fine_room f = lamc_fine_room_of(s);
+  const size_t bytes = (size_t)run->ode.n * (size_t)s->width * sizeof *f.sens;
+  memcpy(f.y_begin, y_there(run), (size_t)run->ode.n * sizeof *f.y_begin);
+  s->h_fine_run = run->h_last;
+  lamc_begin_finely(s, &f);
+  if (!lamc_go_finely(s, &f, run->t, rows)) return 0;
+  memcpy(s->end, f.sens, bytes);
+  lamc_begin_finely(s, &f); /* for the rows within, as they come */
+  return 1;
+}
+
+/* S (n, width) within that step, at t, which is behind those that were asked for before; 0: it takes too many steps */
+static inline int lamc_finely_at(lamc_sensitivity *s, lamc_real t, lamc_real *rows, lamc_real *out) {
+  const lamc_fine_room f = lamc_fine_room_of(s);
+  if (t < s->fine_t || (t > s->fine_t && !lamc_go_finely(s, &f, t, rows))) return 0;
+  memcpy(out, f.sens, (size_t)s->run.ode.n * (size_t)s->width * sizeof *out);
+  return 1;
 }
 
 #endif /* LAMC_FINELY_H */

@@ -101,7 +101,10 @@ typedef struct lamc_sensitivity {
   int slope_count;             /* slopes of S that are known of the last step */
   int method;                  /* lamc_method of the last step */
   lamc_real h;                 /* s, of the last step */
-  long long evaluations;       /* of derivatives */
+  int is_fine; /* 1: the last step was too long for S, which went over it by steps of its own */
+  lamc_real fine_t, fine_h,
+      h_fine_run;        /* s: where these stand, how long the next one is, how long the run's was */
+  long long evaluations; /* of derivatives */
   lamc_real *here, *start,
       *end;        /* S where the run stands, where the last step began, and at its end before an event */
   lamc_real *held; /* (held_count, held_width): derivatives of what clocks hold, of all columns */

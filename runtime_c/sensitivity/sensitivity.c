@@ -55,11 +55,13 @@ static void follow(lamc_sensitivity *s) {
   int is_known = 1;
   if (lamc_is_replayed(run->method)) {
     lamc_replay(s, r.argument, r.y);
-    if (is_too_long(s)) {
-      lamc_follow_finely(s, r.fine, r.argument);
+    s->is_fine = is_too_long(s);
+    if (s->is_fine) {
+      is_known = lamc_follow_finely(s, r.argument);
       lamc_replay_end(s, r.y); /* the next step begins with the slope of this S */
     }
   } else {
+    s->is_fine = 0;
     is_known = lamc_collocate(s, r.collocation, r.argument);
   }
   s->method = run->method;
@@ -170,7 +172,9 @@ static void write_row(lamc_sensitivity *s, lamc_real t, const lamc_real *y, lamc
   if (t < s->run.t && s->run.h_last > 0) {
     const lamc_room r = s->room;
     const lamc_real x = (t - s->run.t_old) / s->h;
-    if (lamc_is_replayed(s->method)) {
+    if (s->is_fine && lamc_finely_at(s, t, r.collocation, r.argument)) {
+      /* there it is */
+    } else if (lamc_is_replayed(s->method)) {
       lamc_replay_extend(s, r.argument, r.y);
       lamc_replay_at(s, x, r.argument);
     } else {

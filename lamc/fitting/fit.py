@@ -33,7 +33,7 @@ from lamc.run.evaluations import NO_PARAMETERS
 from lamc.run.parameters import with_limits
 from lamc.run.request import did_you_mean
 from lamc.run.start_checks import check_run, check_start
-from lamc.studies.making import named_scene
+from lamc.studies.making import scene_of
 from lamc.studies.targets import Made, Studied, family_of
 
 FORGETS = 100.0  # times as large as at the start: a change of it
@@ -74,7 +74,8 @@ def fit(
     RequestError for what makes no fit: unknown names, fewer data than unknowns, a number that changes nothing that was
     recorded; DesignError for what cannot be simulated; SimulationError if the run fails from where the fit begins.
     """
-    simulators = Simulators(family_of(design), _scene(scene), options)
+    family = family_of(design)
+    simulators = Simulators(family, scene_of(family, scene), options)
     return answered(simulators, data, free, parameters, loss, starts, seed, integrator, segments)
 
 
@@ -219,12 +220,3 @@ def _ranges(free: object) -> dict[str, object]:
     raise RequestError(
         f"free is {shown(free)}; it must map names to ranges, free={{'h1.stiffness': (1e-4, 1e-1)}}"
     )
-
-
-def _scene(
-    scene: Scene | Callable[[Mechanism], Scene] | str | None,
-) -> Scene | Callable[[Mechanism], Scene] | None:
-    if isinstance(scene, str):
-        name = scene
-        return lambda mechanism: named_scene(mechanism, name)
-    return scene

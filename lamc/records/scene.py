@@ -8,6 +8,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from numbers import Integral
+from typing import Protocol
 
 from lamc.basics.checks import checked_array, checked_kind, checked_name, checked_number, shown
 from lamc.basics.errors import DesignError, Place, warn
@@ -273,3 +274,25 @@ def checked_scenes(scenes: Mapping[str, Scene], what: str) -> Mapping[str, Scene
             )
         checked_kind(scene, Scene, f"the scene {name!r} of {what}", "make one with lamc.Scene(…)")
     return ReadOnlyDict(scenes)
+
+
+class HasScenes(Protocol):
+    """A Design or a Mechanism, as far as its scenes go."""
+
+    @property
+    def scene(self) -> Scene | None: ...
+
+    @property
+    def scenes(self) -> Mapping[str, Scene]: ...
+
+
+def own_scene(made: HasScenes, scene: Scene) -> str | None:
+    """Which of its own scenes a scene is, by name; "": the one without a name, None: none of them. One that was read
+    from the same text is the same; one that was made by hand is only itself, whatever it says."""
+
+    def is_same(own: Scene | None) -> bool:
+        return own is scene or (own == scene and bool(scene.places.known))
+
+    if is_same(made.scene):
+        return ""
+    return next((name for name, own in made.scenes.items() if is_same(own)), None)

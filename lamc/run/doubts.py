@@ -56,8 +56,8 @@ def _no_derivative(result: "Result") -> list[str]:
 
 
 def _too_long(result: "Result") -> float | None:
-    """How long steps may be, s, of a run at rest whose derivatives an implicit method collocates over longer ones. Those
-    of explicit methods go by steps of their own."""
+    """How long steps may be, s, of a run at rest whose derivatives an implicit method collocates over longer ones.
+    Those of explicit methods go by steps of their own."""
     stats = result.stats
     if not {stats.integrator, *(name for _, name in stats.switches)} & {*IMPLICIT}:
         return None

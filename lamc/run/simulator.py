@@ -25,7 +25,7 @@ from lamc.loops.texts import elsewhere_note, pushed_note
 from lamc.mechanism.plan import plan
 from lamc.records.effect import Effect, notes_of
 from lamc.records.mechanism import Mechanism
-from lamc.records.scene import Scene
+from lamc.records.scene import Scene, own_scene
 from lamc.run.accuracy import checked_accuracy, reach
 from lamc.run.arguments import check_names, checked_rate
 from lamc.run.defaults import ATOL, DURATION, RTOL
@@ -120,14 +120,19 @@ class Simulator(Running, OperatingPoints, Viewable):
         Where the topology is another, or numbers vanish that did not, it is derived and compiled anew: a DesignWarning
         says so, and `structure` differs.
 
-        scene: None: this one's; where that is the design's own, the new design's own
+        scene: None: this one's; where that is one of the design's own, the new design's of that name
 
         Raises as `lamc.compile` does; UnsupportedError where this simulator was made by hand.
         """
         if self._recipe is None:
             raise UnsupportedError("this simulator was made by hand; use lamc.compile(design)")
-        given = None if self.scene is self.mechanism.scene else self.scene
-        made = self._recipe.in_passing().simulator(design, scene or given)
+        if scene is None:
+            name = own_scene(self.mechanism, self.scene)
+            if name:
+                scene = design.scenes.get(name, self.scene)
+            elif name is None:
+                scene = self.scene
+        made = self._recipe.in_passing().simulator(design, scene)
         if made.structure != self.structure:
             what = changes(self.mechanism, made.mechanism)
             text = f"{made!r} is compiled anew, as its topology is not that of {self!r}: {what}"

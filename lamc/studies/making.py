@@ -13,14 +13,23 @@ from lamc.basics.errors import RequestError, warn
 from lamc.codegen.options import CompileOptions
 from lamc.records.mechanism import Mechanism
 from lamc.records.network import listed_names
-from lamc.records.scene import Scene
+from lamc.records.scene import Scene, own_scene
 from lamc.run.parameters import checked_parameters
 from lamc.studies.axes import Span, Spread, axis_of
 from lamc.studies.bench import Bench, RunOptions, Subject
 from lamc.studies.measures import checked_measures, outputs_of
 from lamc.studies.plans import Plan, given_points, grid_of, sample_words, sampled
 from lamc.studies.study import Study
-from lamc.studies.targets import Made, Studied, check_axes, check_within, family_of, known_target, targets_of
+from lamc.studies.targets import (
+    Made,
+    Studied,
+    check_axes,
+    check_within,
+    family_of,
+    known_target,
+    made,
+    targets_of,
+)
 
 SceneGiven = Scene | str | Callable[[Mechanism], Scene] | None
 
@@ -47,8 +56,7 @@ def study_of(
         raise RequestError(
             "nothing is measured; name a measure, such as --measure 'max(tip.z)' (measure={…})"
         )
-    if isinstance(scene, str):
-        scene = partial(named_scene, name=scene)
+    scene = scene_of(design, scene)
     first = Bench(Subject(design, scene, options or CompileOptions(), RunOptions(), (), {})).simulator(())
     targets = targets_of(design, first)
     if not isinstance(vary, Mapping):
@@ -80,6 +88,16 @@ def study_of(
         measures,
     )
     return Study(subject, plan, first.mechanism.name)
+
+
+def scene_of(design: Studied, scene: SceneGiven) -> Scene | Callable[[Mechanism], Scene] | None:
+    """What gives the scene of each drawing: one of the design's own, by name or itself, changes with its dimensions."""
+    if isinstance(scene, Scene):
+        name = own_scene(made(design, {}), scene)
+        if name is None:
+            return scene
+        scene = name or None
+    return partial(named_scene, name=scene) if isinstance(scene, str) else scene
 
 
 def named_scene(mechanism: Mechanism, name: str) -> Scene:

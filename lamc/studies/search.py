@@ -24,7 +24,7 @@ from lamc.studies.crew import Hands
 from lamc.studies.derivatives import MANY
 from lamc.studies.goals import Constraint, Goal, constraints_of, goal_of
 from lamc.studies.identity import digest_of
-from lamc.studies.making import AS_EVER, SceneGiven, named_scene
+from lamc.studies.making import AS_EVER, SceneGiven, scene_of
 from lamc.studies.measures import Measure, outputs_of
 from lamc.studies.optimum import Best
 from lamc.studies.problem import Problem
@@ -145,11 +145,10 @@ def search_of(
 ) -> Search:
     """The search of a design's parameters, checked: names, units, ranges, goals. Raises RequestError and DesignError;
     nothing has run."""
-    if isinstance(scene, str):
-        scene = partial(named_scene, name=scene)
     families, words = _families(design, vary)
     compiler = options or CompileOptions()
     chosen = next(iter(families.values()))
+    scene = scene_of(chosen, scene)
     first = Bench(Subject(chosen, scene, compiler, RunOptions(), (), {})).simulator(())
     targets = targets_of(chosen, first)
     space = space_of(vary, targets, words)

@@ -54,7 +54,8 @@ _sheet = together(
     click.option(
         "--fixed",
         metavar="FACET",
-        help="Of a sheet: the facet that is held, F12, or a point in it, '10 mm, 20 mm'.  [default: in the middle]",
+        multiple=True,
+        help="Of a sheet: a facet that is held, F12, or a point in it, '10 mm, 20 mm'.  [default: in the middle]",
         show_default=False,
     ),
     click.option(
@@ -111,7 +112,7 @@ def sheeted(function: Function) -> Function:
     @functools.wraps(function)
     def wrapped(
         *,
-        fixed: str | None,
+        fixed: tuple[str, ...],
         card: str | None,
         crease: str | None,
         units: str | None,
@@ -131,7 +132,7 @@ def sheeted(function: Function) -> Function:
 
                 every = {**read_roles(roles_file), **every}
             sheet = SheetOptions(
-                fixed_of(fixed) if fixed else None,
+                [fixed_of(each) for each in fixed] or None,
                 Card.of(card) if card else None,
                 crease,
                 units,

@@ -24,6 +24,7 @@ from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import crease_of, lines_of_sheet, lost_in_drawing, point_of
 from lamc.export.cuts.lines import CutLine, bounds_of
 from lamc.export.read_back import differences
+from lamc.readers.drawings.dxf_units import LARGEST, SMALLEST
 from lamc.readers.joints_writer import ends, joints_text
 from lamc.readers.mechanism_file import mechanism_text
 from lamc.readers.native import Document
@@ -173,6 +174,8 @@ def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: 
         low, high = bounds_of(lines)
         corner = np.array([low[0], high[1]]) if paged else np.zeros(2)
         content, options = write(lines, made.name), _options(sheet, corner)
+        if kind == "DXF" and not SMALLEST <= max(high - low) <= LARGEST:
+            options = replace(options, units="mm")  # what the file says, and would be asked about
         unlike = differences(made, content, f".{kind.lower()}", options, corner)
         # An SVG's title is its name.
         lost = sheet.lost + lost_in_drawing(sheet, lines) + unlike
@@ -200,9 +203,9 @@ def _words(options: SheetOptions) -> str:
         words.append(f"--card '{options.card.thickness!r} m, {options.card.density!r} kg/m^3'")
     if options.crease is not None:
         words.append(f"--crease {options.crease!r}")
-    assert isinstance(options.fixed, tuple)
-    x, y = options.fixed
-    return " ".join([*words, f"--fixed '{x!r}, {y!r}'", f"--facets {options.facets}", "--heal 0"])
+    words += [f"--fixed '{each[0]!r}, {each[1]!r}'" for each in options.held]
+    words += [f"--units {options.units}"] if options.units is not None else []
+    return " ".join([*words, f"--facets {options.facets}", "--heal 0"])
 
 
 def _svg(lines: list[CutLine], name: str) -> bytes:

@@ -11,6 +11,7 @@ import shapely
 
 from lamc.basics.errors import DesignError
 from lamc.readers.fold_groups import IN_LINE, Crease, pieces_of
+from lamc.records.card import Fixed
 from lamc.records.network import listed_names
 
 
@@ -23,6 +24,7 @@ class Placed:
     polygons  as the sheet lies flat, m
     seen      as the file has them, along z, m
     may_lie_over  whether the latter may lie over one another, as those of a folded sheet do
+    within    pairs of groups that are parts of one facet as it is drawn, which bends
     """
 
     groups: Sequence[int]
@@ -30,26 +32,25 @@ class Placed:
     polygons: Sequence[shapely.Polygon]
     seen: Sequence[shapely.Polygon]
     may_lie_over: bool
+    within: Sequence[tuple[int, int]] = ()
 
 
 def fixed_groups(
-    given: str | tuple[float, float] | None,
+    given: Sequence[Fixed],
     own: Collection[str] | None,
     faces: Placed,
     creases: Sequence[Crease],
     size: float,
     notes: list[str],
 ) -> list[int]:
-    """Groups that are fixed: one in each piece of the sheet. given: a facet's name, or a place, m; own: names that the
-    file says where nobody else does. Raises DesignError for a facet that there is not, and a place in none or in
-    several."""
+    """Groups that are fixed: those that are given, and one in each other piece of the sheet. given: facets' names, or
+    places, m; own: names that the file says where nobody else does. Raises DesignError for a facet that there is not,
+    and a place in none or in several."""
     groups, names = faces.groups, faces.names
-    chosen: list[int] = []
-    if isinstance(given, str):
-        chosen = [_named(given, faces)]
-    elif given is not None:
-        chosen = [groups[_at(given, faces, size)]]
-    elif own is not None:
+    chosen = [
+        _named(each, faces) if isinstance(each, str) else groups[_at(each, faces, size)] for each in given
+    ]
+    if not given and own is not None:
         chosen = sorted({group for group, name in names.items() if name in own})
     pieces = pieces_of(sorted(set(groups)), [crease.groups for crease in creases])
     free = [piece for piece in pieces if not set(piece) & set(chosen)]
@@ -62,7 +63,7 @@ def fixed_groups(
                 else "are fixed by a facet in their middle"
             )
         )
-    return [*chosen, *(groups[_amid(set(piece), faces, size)] for piece in free)]
+    return [*dict.fromkeys(chosen), *(groups[_amid(set(piece), faces, size)] for piece in free)]
 
 
 def _named(given: str, faces: Placed) -> int:
@@ -84,7 +85,9 @@ def _at(given: tuple[float, float], faces: Placed, size: float) -> int:
         )
     over = [k for k in within if faces.seen[k].contains(point)] if faces.may_lie_over else []
     met = [k for k, each in enumerate(faces.seen) if shapely.distance(each, point) <= IN_LINE * size]
-    if not over and len({faces.groups[k] for k in met}) > 1:
+    parts = {faces.groups[k] for k in met}
+    inside = [pair for pair in faces.within if set(pair) <= parts]
+    if not over and len(parts) > 1 and len(pieces_of(parts, inside)) > 1:
         names = [faces.names[faces.groups[k]] for k in met]
         raise DesignError(
             f"{place} lies where facets meet, {listed_names(names)}: give a place amid one, or name it, as --fixed "

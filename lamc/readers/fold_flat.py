@@ -67,6 +67,11 @@ def angles_of(
     for k in joined:
         left, right = pair_of(beside, k)
         along = points[edges[k][1]] - points[edges[k][0]]
+        if not along.any():
+            a, b = edges[k]
+            raise DesignError(
+                f"edge {k} has no length: its vertices {a} and {b} are at one place; make one vertex of them"
+            )
         # A face to the left of an axis along the edge turns about it by the fold angle.
         sine = float(np.cross(normals[right], normals[left]) @ along) / float(np.linalg.norm(along))
         angle = math.atan2(sine, float(normals[right] @ normals[left]))

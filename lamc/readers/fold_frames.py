@@ -20,6 +20,7 @@ KEYS = (  # of spec 1.2
     *(f"faces_{key}" for key in ("vertices", "edges", "faces")),
     *("faceOrders", "edgeOrders"),
 )
+RENAMED = {"edges_foldAngles": "edges_foldAngle", "edges_lengths": "edges_length"}  # of spec 1.0, by spec 1.1
 _NEARLY = (
     0.85  # of 1, by difflib: a letter or two of a key; `faces_layer` of other programs is a key of its own
 )
@@ -81,7 +82,15 @@ def _frames(data: Data, error: Errors) -> list[dict[str, Any]]:
     frames = data.get("file_frames", [])
     if not isinstance(frames, list) or not all(isinstance(frame, dict) for frame in frames):
         raise error("file_frames must be a list of maps")
-    return [{name: value for name, value in data.items() if name != "file_frames"}, *frames]
+    key = {name: value for name, value in data.items() if name != "file_frames"}
+    return [_renamed(frame) for frame in (key, *frames)]
+
+
+def _renamed(frame: Mapping[str, Any]) -> dict[str, Any]:
+    """With the names of today; what stands there by one of them already stays."""
+    return {
+        RENAMED.get(name, name): value for name, value in frame.items() if RENAMED.get(name, "") not in frame
+    }
 
 
 def meant(key: str) -> str | None:

@@ -150,8 +150,9 @@ class _Sheet:
             shapely.Polygon([facets.corners[k][v] for v in face]) for k, face in enumerate(facets.faces)
         ]
         names = {group: (own.bodies[group] if own.bodies else f"F{group}") for group in groups}
-        facets_by_group = Placed(groups, names, polygons, self.seen or polygons, bool(self.seen))
-        fixed = fixed_groups(self.options.fixed, own.fixed, facets_by_group, creases, self.size, self.notes)
+        within = [crease.groups for crease in creases if self.frame.kinds[crease.edges[0]] == FACET]
+        facets_by_group = Placed(groups, names, polygons, self.seen or polygons, bool(self.seen), within)
+        fixed = fixed_groups(self.options.held, own.fixed, facets_by_group, creases, self.size, self.notes)
         bodies = self._bodies(groups, polygons, names, fixed, own)
         hinges = Hinges(frame, facets.beside, facets.corners, facets.angles, groups, self.options.crease, own)
         joints = hinges.joints(creases, fixed, names, {b.name: b for b in bodies})
@@ -247,6 +248,13 @@ class _Sheet:
                     "facet's corners by two edges F, and a hole is read)"
                 )
             if pair is None:
+                folds = any(kind in "MV" for kind in frame.kinds) or any(frame.angles)
+                if turned and folds:
+                    which = "all faces are" if turned == len(faces) else f"{turned} of {len(faces)} faces are"
+                    self.notes.append(
+                        f"{which} listed clockwise: mountains and valleys of a flat sheet are taken as it is seen from "
+                        "above, whichever way its faces run"
+                    )
                 return self._flat(faces)
         assert frame.faces is not None
         if not frame.own:

@@ -5,7 +5,7 @@ executed, and every failure is a LamcError with the place.
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from lamc.basics.checks import shown
@@ -30,7 +30,7 @@ from lamc.readers.joint_definition import JointDefinition
 from lamc.readers.mechanism_file import read_mechanism
 from lamc.readers.native import read_design
 from lamc.readers.popupcad_beside import Beside
-from lamc.records.card import NO_SHEET_OPTIONS, Card, Facets, SheetOptions
+from lamc.records.card import NO_SHEET_OPTIONS, Card, Facets, Fixed, SheetOptions
 from lamc.records.design import Design, Material
 from lamc.records.drawing import Role
 from lamc.records.mechanism import Mechanism
@@ -48,7 +48,7 @@ def load(
     materials: Mapping[str, Material] | None = None,
     progress: Progress | None = None,
     limits: Limits = DEFAULT_LIMITS,
-    fixed: str | tuple[float, float] | None = None,
+    fixed: Fixed | Sequence[Fixed] | None = None,
     card: Card | None = None,
     crease: float | str | None = None,
     units: str | None = None,

@@ -58,15 +58,15 @@ class SheetAsSuch(AsSuch):
 
     def changed(self, values: Mapping[str, float]) -> Mechanism:
         scale, options = values[SCALE], self.options
-        fixed = options.fixed
-        if fixed is not None and not isinstance(fixed, str):
-            fixed = (scale * fixed[0], scale * fixed[1])
+        held = [
+            each if isinstance(each, str) else (scale * each[0], scale * each[1]) for each in options.held
+        ]
         unit = unit_of(self.frame, options, [])
         frame = replace(self.frame, unit=scale * unit, off=scale * self.frame.off)
         again = replace(
             options,
             units=None,
-            fixed=fixed,
+            fixed=held or None,
             card=Card(values["thickness"], values["density"]),
             crease=values.get("crease", options.crease),
         )

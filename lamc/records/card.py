@@ -3,7 +3,7 @@
 In: numbers, SI, or text with units. Out: checked records. Never: reads a file.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
@@ -11,9 +11,11 @@ from lamc.basics import units
 from lamc.basics.checks import checked_array, checked_kind, checked_number, is_list, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.given import GivenMaybe, GivenNumber
+from lamc.basics.units import is_quantity
 from lamc.records.drawing import ROLES, Role
 from lamc.records.scene import is_bare
 
+_MOST = 1e6  # m, kg/m³: of no card; its bending stiffness goes with the cube
 _THICK = 0.02  # m: a sheet that is thicker was meant in mm
 
 
@@ -30,8 +32,10 @@ class Card:
     def __post_init__(self) -> None:
         for name, quantity in (("thickness", units.LENGTH), ("density", units.DENSITY)):
             value = checked_number(getattr(self, name), f"the {name} of the card", quantity=quantity)
-            if not value > 0.0:
-                raise DesignError(f"the {name} of the card is {value:g} {quantity.unit}; it must be above 0")
+            if not 0.0 < value < _MOST:
+                raise DesignError(
+                    f"the {name} of the card is {value:g} {quantity.unit}; it must be above 0 and below {_MOST:g}"
+                )
             object.__setattr__(self, name, value)
 
     @staticmethod
@@ -50,13 +54,14 @@ class Card:
 
 
 Facets = Literal["rigid", "bend"]
+Fixed = str | tuple[float, float]  # a facet, by its name or a point inside it, m
 
 
 @dataclass(frozen=True)
 class SheetOptions:
     """What a user says of a drawn sheet beside its file; None: what the file says, else a default that is told.
 
-    fixed   name of the facet that is held, "F12", or a point inside it, (x, y), m
+    fixed   name of the facet that is held, "F12", or a point inside it, (x, y), m; or a list of such
     card    of all facets
     crease  N·m/rad for each m of a crease
     units   of the drawing's numbers, "mm"
@@ -67,7 +72,7 @@ class SheetOptions:
     large   more facets are read than take some seconds
     """
 
-    fixed: str | tuple[float, float] | None = None
+    fixed: Fixed | Sequence[Fixed] | None = None
     card: Card | None = None
     crease: GivenMaybe = None  # type: ignore[assignment]  # N/rad
     units: str | None = None
@@ -95,8 +100,13 @@ class SheetOptions:
         if self.heal is not None:
             heal = checked_number(self.heal, "the tolerance of healing", minimum=0.0, quantity=units.LENGTH)
             object.__setattr__(self, "heal", heal)
-        if self.fixed is not None and not isinstance(self.fixed, str):
-            object.__setattr__(self, "fixed", _point(self.fixed))
+        if self.fixed is not None:
+            object.__setattr__(self, "fixed", _fixed(self.fixed))
+
+    @property
+    def held(self) -> tuple[Fixed, ...]:
+        """What `fixed` says, one by one."""
+        return self.fixed if isinstance(self.fixed, tuple) else ()
 
     @property
     def given(self) -> tuple[str, ...]:
@@ -131,6 +141,16 @@ def roles_of(texts: Iterable[str]) -> dict[str, Any]:
             raise DesignError(f"the role is {shown(text)}; write a colour or a layer and a role: red=cut")
         roles[line.strip()] = role.strip()
     return roles
+
+
+def _fixed(value: Any) -> tuple[Fixed, ...]:
+    """Names and points, of one or of several."""
+    if isinstance(value, str):
+        return (value,)
+    several = is_list(value) and len(value) > 0
+    if several and any(is_list(each) or (isinstance(each, str) and not is_quantity(each)) for each in value):
+        return tuple(each if isinstance(each, str) else _point(each) for each in value)
+    return (_point(value),)
 
 
 def _point(value: Any) -> tuple[float, float]:

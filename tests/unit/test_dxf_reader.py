@@ -731,3 +731,49 @@ def test_a_link_to_nothing_is_told(tmp_path: Path) -> None:
     (tmp_path / "loop.dxf").symlink_to("loop.dxf")
     with pytest.raises(LamcError, match=r"a link that leads to no file: .loop\.dxf."):
         lamc.load(tmp_path / "loop.dxf")
+
+
+def sheet_with(*lines: str) -> bytes:
+    """A rectangle of 60 mm by 20 mm on `body`, and lines."""
+    rim = [(0.0, 0.0, 60.0, 0.0), (60.0, 0.0, 60.0, 20.0), (60.0, 20.0, 0.0, 20.0), (0.0, 20.0, 0.0, 0.0)]
+    return text("".join([*(line(*each, handle=f"A{k}") for k, each in enumerate(rim)), *lines]))
+
+
+@pytest.mark.parametrize("layer", ["ETCH", "Falten", "Logo"])
+def test_a_layer_without_a_meaning_is_told_with_the_way_out(layer: str) -> None:
+    """White is what lines have whose colour nobody chose: such circles were holes without a word."""
+    found = read(sheet_with(line(20.0, 0.0, 20.0, 20.0, layer=layer)))
+    assert found.strokes[-1].role == "border"
+    (note,) = [each for each in found.notes if layer in each]
+    assert note.startswith(
+        f"1 line on layer {layer!r}, colour #000000: border, by the colour (--role '{layer}=hinge'"
+    )
+    assert not told(sheet_with(line(20.0, 0.0, 20.0, 20.0, layer=layer)), roles={layer: "hinge"})
+
+
+@pytest.mark.parametrize("layer", ["0", "Layer 2", "body", "outline"])
+def test_layers_that_mean_a_rim_or_nothing_are_not_told(layer: str) -> None:
+    assert not told(sheet_with(line(20.0, 0.0, 20.0, 20.0, layer=layer)))
+
+
+def coloured(number: int, layer: str = "0") -> str:
+    plain = line(20.0, 0.0, 20.0, 20.0, layer=layer)
+    return plain.replace(f"8\n{layer}\n", f"8\n{layer}\n62\n{number}\n")
+
+
+def test_a_colour_without_a_meaning_is_told_by_what_has_no_other_lines() -> None:
+    """A role of layer 0 would be that of the rim too."""
+    assert "(--role '#00ffff=cut', or another role)" in told(sheet_with(coloured(4)))
+    assert "(--role 'Kante=cut', or another role)" in told(sheet_with(coloured(4, "Kante")))
+
+
+@pytest.mark.parametrize(("layer", "name"), [("Hinge 45", "hinge(45)"), ("joint_90", "joint(90)")])
+def test_a_number_that_counts_layers_of_hinges_is_told_where_it_may_be_an_angle(
+    layer: str, name: str
+) -> None:
+    said = told(sheet_with(line(20.0, 0.0, 20.0, 20.0, layer=layer)))
+    assert said.startswith(
+        f"creases on layer {layer!r} rest flat: a number behind joint or hinge counts layers"
+    )
+    assert said.endswith(f"; {name!r} is one of degrees")
+    assert not told(sheet_with(line(20.0, 0.0, 20.0, 20.0, layer="hinge 2")))

@@ -231,9 +231,9 @@ def test_a_crease_beside_no_facet_is_told_by_its_number(tmp_path: Path, facets: 
 
 
 def test_a_key_that_is_nearly_one_of_folds_is_told(tmp_path: Path) -> None:
-    told = notes(tmp_path, square(edges_foldAngles=[0, 0, 0, 0, 90], faces_layer=[0], **{"my:faceOrder": []}))
+    told = notes(tmp_path, square(edges_foldAngel=[0, 0, 0, 0, 90], faces_layer=[0], **{"my:faceOrder": []}))
     assert [note for note in told if "none of FOLD's" in note] == [
-        f"{tmp_path / 'sheet.fold'}: the key 'edges_foldAngles' is none of FOLD's, and is not read; is "
+        f"{tmp_path / 'sheet.fold'}: the key 'edges_foldAngel' is none of FOLD's, and is not read; is "
         "'edges_foldAngle' meant?"
     ]
     data = square()
@@ -605,3 +605,79 @@ def test_facets_with_corners_of_their_own_are_joined_whatever_their_last_digits(
         found = lamc.load(file)
     assert isinstance(found, lamc.Mechanism)
     assert len(found.joints) == 9
+
+
+def two_squares(**more: Any) -> Data:
+    """Two squares beside one another along x, with a crease between them."""
+    return {
+        "frame_unit": "mm",
+        "vertices_coords": [[0, 0], [20, 0], [40, 0], [40, 20], [20, 20], [0, 20]],
+        "edges_vertices": [[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [5, 0], [1, 4]],
+        "edges_assignment": [*"BBBBBB", "V"],
+        **more,
+    }
+
+
+def test_names_of_version_1_0_are_read(tmp_path: Path) -> None:
+    """`edges_foldAngles` and `edges_lengths`, which 1.1 renamed."""
+    old = two_squares(edges_foldAngles=[None] * 6 + [110], edges_lengths=[20] * 7)
+    (joint,) = read(tmp_path, old).joints
+    assert joint.rest_angle == pytest.approx(math.radians(110.0))
+    assert not notes(tmp_path, old, card=CARD, crease=1e-3)
+    both = {**old, "edges_foldAngle": [None] * 6 + [50]}
+    (joint,) = read(tmp_path, both).joints
+    assert joint.rest_angle == pytest.approx(math.radians(50.0))
+
+
+def test_faces_that_run_clockwise_are_told(tmp_path: Path) -> None:
+    faces = [[0, 5, 4, 1], [1, 4, 3, 2]]
+    (told,) = notes(
+        tmp_path, two_squares(faces_vertices=faces, edges_foldAngle=[None] * 6 + [50]), card=CARD, crease=1e-3
+    )
+    assert (
+        "all faces are listed clockwise: mountains and valleys of a flat sheet are taken as it is seen"
+        in told
+    )
+    turned = [faces[0][::-1], faces[1]]
+    (told,) = notes(
+        tmp_path,
+        two_squares(faces_vertices=turned, edges_foldAngle=[None] * 6 + [50]),
+        card=CARD,
+        crease=1e-3,
+    )
+    assert "1 of 2 faces are listed clockwise" in told
+
+
+def test_a_crease_without_a_length_in_a_folded_sheet_is_refused(tmp_path: Path) -> None:
+    """It was a division by zero."""
+    data = {
+        "frame_unit": "mm",
+        "vertices_coords": [
+            [0, 0, 0],
+            [20, 0, 0],
+            [40, 0, 9],
+            [40, 20, 9],
+            [20, 20, 0],
+            [0, 20, 0],
+            [20, 0, 0],
+        ],
+        "edges_vertices": [[0, 1], [1, 6], [6, 2], [2, 3], [3, 4], [4, 5], [5, 0], [1, 4], [6, 4]],
+        "edges_assignment": [*"BVBBBBBVV"],
+        "faces_vertices": [[0, 1, 4, 5], [6, 2, 3, 4], [1, 6, 4]],
+    }
+    with pytest.raises(
+        LamcError, match=r"edge \d has no length: its vertices 1 and 6 are at one place|no area"
+    ):
+        read(tmp_path, data)
+
+
+def test_several_facets_may_be_held(tmp_path: Path) -> None:
+    data = two_squares()
+    data["vertices_coords"] += [[60, 0], [60, 20]]
+    data["edges_vertices"] += [[2, 6], [6, 7], [7, 3]]
+    data["edges_assignment"] = [*"BBVBBBVBBB"]
+    for fixed in (["F0", "F2"], [(0.01, 0.01), "F2"], [(0.01, 0.01), ("50 mm", "10 mm")]):
+        made = read(tmp_path, data, fixed=fixed)
+        assert [body.fixed for body in made.bodies] == [True, False, True]
+    made = read(tmp_path, data, fixed=("30 mm", "10 mm"))
+    assert [body.name for body in made.bodies if body.fixed] == ["F1"]

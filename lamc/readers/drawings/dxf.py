@@ -26,7 +26,9 @@ from lamc.readers.drawings.roles import (
     angle_note,
     check_roles,
     colour_role,
+    counted_note,
     layer_angle,
+    layer_name,
     layer_role,
     meant_layer,
     role_of,
@@ -90,9 +92,13 @@ class _Reader:
         roles = {(layer, colour): role_of(colour, layer, self.options) for layer, colour in counts}
         unknown = sorted(key for key, role in roles.items() if role is None)
         for layer, colour in unknown:
+            shared = any(key[0] == layer and role is not None for key, role in roles.items())
+            named = (
+                colour if shared or layer == "0" else layer[:60]
+            )  # the role of a layer is that of all its lines
             self.notes.append(
                 f"left out, neither layer nor colour says what for: {counts[layer, colour]} lines on layer "
-                f"{layer[:60]!r}, colour {colour} (--role '{layer[:60]}=cut', or another role)"
+                f"{layer[:60]!r}, colour {colour} (--role '{named}=cut', or another role)"
             )
         for (layer, colour), role in sorted(roles.items(), key=lambda each: each[0]):
             if role is not None and said_role(colour, layer, self.options) is None:
@@ -115,6 +121,11 @@ class _Reader:
             self.notes.append(f"{lines}: {role}, by the colour; if the layer is to be {meant!r}, name it so")
         elif layer_role(layer) is not None and colour_role(colour) not in (None, role, "border"):
             self.notes.append(f"{lines}: {role}, whatever the colour (--role '{layer[:60]}=…' says another)")
+        elif role == "border" and layer_role(layer) is None and layer != "0" and layer_name(layer):
+            # Black and white are what lines have whose colour nobody chose.
+            self.notes.append(
+                f"{lines}: {role}, by the colour (--role '{layer[:60]}=hinge', '…=ignore' or another says what for)"
+            )
         elif role == colour_role(colour) and role != layer_role(layer):
             taken = colour_of(colour)
             family = family_of(taken[0]) if taken is not None else None
@@ -148,6 +159,8 @@ class _Reader:
                 angled[each.layer] = angle
             yield Stroke(rows * scale, each.course.closed, role, angle, each.layer, each.source)
         self.notes += [angle_note(layer, angle) for layer, angle in sorted(angled.items())]
+        hinges = {each.layer for each, role in zip(drawn, roles, strict=True) if role == "hinge"}
+        self.notes += [note for note in map(counted_note, sorted(hinges)) if note is not None]
         if short:
             self.notes.append(f"left out: {len(short)} lines without a length (first {short[0]})")
 

@@ -151,6 +151,20 @@ def layer_angle(name: str) -> float | None:
     return math.radians(-abs(degrees) if role == "mountain" else abs(degrees))
 
 
+def counted_note(name: str) -> str | None:
+    """That a number at the end of a layer of hinges, which may be meant for degrees, counts layers; None where there is
+    no such number."""
+    found = _WITH_NUMBER.match(_bare(name))
+    if found is None or layer_name(name) not in _JOINTS or layer_angle(name) is not None:
+        return None
+    if not _FEWEST_DEGREES <= abs(float(found[2])) <= 180.0:
+        return None
+    return (
+        f"creases on layer {name[:60]!r} rest flat: a number behind joint or hinge counts layers; "
+        f"{f'{layer_name(name)}({found[2]})'!r} is one of degrees"
+    )
+
+
 def _is_marked(name: str) -> bool:
     """Whether the number at a name's end is one of degrees, and counts nothing: it has its unit, or is in brackets and
     not small, as programs name copies "hinge (2)"."""

@@ -12,6 +12,7 @@ from lamc.readers.drawings.roles import (
     angle_note,
     check_roles,
     colour_role,
+    counted_note,
     layer_angle,
     layer_role,
     lettered_layer,
@@ -34,6 +35,7 @@ class ShapeRoles:
         self._said = {name.strip().casefold() for name in options.roles or ()}
         self._seen: set[str] = set()  # colours and layers
         self._angled: dict[str, float] = {}  # rad, by layers whose names say it
+        self._counted: dict[str, str] = {}  # notes, by layers
 
     def of_stroke(self, style: Style, source: str) -> tuple[Role | None, str]:
         """Role and layer of a shape with a stroke; None: it is for nothing."""
@@ -123,6 +125,8 @@ class ShapeRoles:
             named = layer_angle(layer)
             if named is not None:
                 self._angled[layer] = named
+            elif (counted := counted_note(layer)) is not None:
+                self._counted[layer] = counted
             return named
         if role not in _SIGNS:
             return None
@@ -137,6 +141,8 @@ class ShapeRoles:
         """Notes of angles that names say, and of roles that no line has."""
         for layer, angle in sorted(self._angled.items()):
             self.notes.say(angle_note(layer, angle))
+        for _, counted in sorted(self._counted.items()):
+            self.notes.say(counted)
         colours = {colour[0] for name in self._seen if (colour := colour_of(name)) is not None}
         families = {family[0] for colour in colours if (family := family_of(colour)) is not None}
         for name in self.options.roles or ():

@@ -91,7 +91,8 @@ def account_of(
     )
     covariance[np.ix_(free, free)] = inside * np.outer(sizes[free], sizes[free])
     errors = np.sqrt(np.diagonal(covariance)).copy()
-    hidden = sizes[free] * _hidden(right[null], singular[null], felt, noise, unknown)
+    reached = _reached(unknowns.all, inner, (low, high), sizes)[free]
+    hidden = sizes[free] * _hidden(right[null], singular[null], felt, noise, unknown, reached)
     errors[free] = np.where(hidden > _LOST * sizes[free], np.inf, np.hypot(errors[free], hidden))
     lost = {name for each in found for name in each.names}
     errors[[k for k in free if unknowns.names[k] in lost]] = np.inf
@@ -113,15 +114,30 @@ def account_of(
     return Account(errors, intervals, correlations, tuple(found), names, noise, freedom)
 
 
-def _hidden(null: Array, singular: Array, felt: Array, noise: float, unknown: float) -> Array:
+def _hidden(null: Array, singular: Array, felt: Array, noise: float, unknown: float, reached: Array) -> Array:
     """Standard errors (f,), of the numbers' sizes, by directions (d, f) that count as not told, whose singular values
-    are (d,); infinite along those that are nil, as far as these are known: up to `unknown`."""
-    real = (np.abs(null) * felt > _ABOVE * unknown) & (np.abs(null) > _SHARE)
-    with np.errstate(divide="ignore"):
-        along = np.where(singular > unknown, noise / singular, np.inf)
-    parts = np.where(real, np.abs(null), 0.0)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(np.sqrt(np.nansum((parts * along[:, None]) ** 2, axis=0)))
+    are (d,); infinite along those that are nil, as far as these are known: up to `unknown`.
+
+    reached: (f,), how far each may go within its bounds, of its size. Who has a small share of a direction goes as far
+    as the one with the largest may.
+    """
+    sizes = np.abs(null)
+    real = sizes * felt > _ABOVE * unknown
+    with np.errstate(divide="ignore", invalid="ignore"):
+        along = np.where(singular > unknown, noise / singular, np.inf)[:, None]
+        bounded = sizes / sizes.max(axis=1, keepdims=True) * 0.5 * reached[np.argmax(sizes, axis=1)][:, None]
+        parts = np.where(sizes > _SHARE, sizes * along, np.minimum(sizes * along, bounded))
+        return np.asarray(np.sqrt(np.sum(np.where(real, parts, 0.0) ** 2, axis=0)))
+
+
+def _reached(unknowns: tuple[Unknown, ...], inner: Array, bounds: tuple[Array, Array], sizes: Array) -> Array:
+    """How far numbers may go within their bounds (p,), of their sizes; of those sought by logarithms in their value."""
+    low, high = bounds
+    is_log = np.array([u.log for u in unknowns], dtype=bool)
+    with np.errstate(over="ignore", invalid="ignore"):
+        far = np.maximum(high - inner, inner - low) / sizes
+        grown = np.maximum(np.expm1(high - inner), -np.expm1(low - inner))
+    return np.asarray(np.where(is_log, grown, far))
 
 
 def _held(inner: Array, low: Array, high: Array) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
@@ -232,7 +248,8 @@ def _combinations(
             * np.array([v if u.log else 1.0 for u, v in zip(chosen, values, strict=True)])
         )
         names = tuple(u.name for u in chosen)
-        found.append(Combination(names, tuple(direction[part].tolist()), _words(names, relative, plain)))
+        text = _words(names, relative, plain, is_one_unit=len({u.unit for u in chosen}) == 1)
+        found.append(Combination(names, tuple(direction[part].tolist()), text))
     return found
 
 
@@ -254,19 +271,22 @@ def _sparse(null: Array) -> list[Array]:
     return list(rows)
 
 
-def _words(names: tuple[str, ...], shares: Array, plain: Array) -> str:
-    """shares: relative changes along the direction; plain: changes."""
+def _words(names: tuple[str, ...], shares: Array, plain: Array, *, is_one_unit: bool = True) -> str:
+    """shares: relative changes along the direction; plain: changes, in SI units, of which sums are made if they are
+    one."""
     whole = " and ".join([", ".join(names[:-1]), names[-1]]) if len(names) > 1 else names[0]
     if len(names) == 1:
         return f"{whole}: these data say nothing of it"
     (ratio, off), (difference, apart) = _snapped(shares), _snapped(plain)
     if len(names) == 2:
         kinds = {-1.0: "sum", 1.0: "difference"}
-        kind = kinds.get(difference[1] / difference[0]) if difference is not None else None
+        kind = kinds.get(difference[1] / difference[0]) if difference is not None and is_one_unit else None
         is_first_power = ratio is not None and abs(ratio[0]) == abs(ratio[1])
         if ratio is not None and is_first_power and kind is not None and max(off, apart) < _ALIKE:
             return f"{whole}: only their {_of_two(names, ratio)} or {kind}, which are alike here, as both are as large"
-        if kind is not None and (not is_first_power or apart < off):
+        if ratio is not None and kind is not None and max(off, apart) < _ALIKE:  # as of a sum of 2 and 1
+            return f"{whole}: only their {kind}, or {_of_two(names, ratio)}: they are alike here"
+        if kind is not None and apart < off:  # it misses the changes by less
             return f"{whole}: only their {kind}"
         if ratio is not None:
             return f"{whole}: only their {_of_two(names, ratio)}"

@@ -280,6 +280,10 @@ class DesignReader:
         """Index of the layer that bends: the named one, or the only flexible one."""
         if name is not None:
             found = self._layers([name], (*path, "layer"))
+            if name == ALL_LAYERS:
+                self.problems.add(
+                    (*path, "layer"), f"a hinge bends in one layer: {', '.join(self.layer_names)}"
+                )
             if not found or name == ALL_LAYERS:
                 return None
             doubt = bending_board(self.model, found[0])

@@ -157,6 +157,7 @@ def test_a_disc_has_the_area_of_its_circle(tmp_path: Path) -> None:
         ("units: mm", "units: kg", "1:8: units: 'kg' is not a unit of length"),
         ("units: mm", "units: mm\nunits: cm", "the key 'units' stands twice"),
         ("units: mm", "name: !!python/object/apply:os.system [ls]", "has no meaning here"),
+        ("name: h,", "name: h, layer: all,", "hinges[0].layer: a hinge bends in one layer: card, film"),
         ("name: h", "name: 10", "a text is expected here, and it is 10"),
         ("flexible: true", "flexible: perhaps", "true or false is expected here, and it is 'perhaps'"),
     ],

@@ -4,6 +4,7 @@ In: a `PlateReport`. Out: rows of a label and a text. It measures nothing and pr
 """
 
 from lamc.basics.numbers import shown_number
+from lamc.plates.answers.buckling import Buckling
 from lamc.plates.answers.shape_errors import REPORTED
 from lamc.plates.answers.shape_pairs import ShapePair
 from lamc.report.plate_records import MODES, PlateReport, ShapeReport, buckling_key
@@ -17,12 +18,20 @@ def shape_rows(report: PlateReport) -> list[tuple[str, str]]:
         rows += [("modes", found), *_trust(report.shapes[MODES], len(report.modes), "mode", "Hz")]
     for name, buckling in report.buckling.items():
         count = len(buckling.factors)
-        factors = (
-            ", ".join(f"{factor:.5g}" for factor in buckling.factors) or "none: these forces do not buckle it"
-        )
-        rows.append(("buckling", f"{name + ': ' if name else ''}at {factors} times the loads"))
+        rows.append(("buckling", f"{name + ': ' if name else ''}{_factors_text(buckling)}"))
         rows += _trust(report.shapes[buckling_key(name)], count, "factor", "")
     return rows
+
+
+def _factors_text(buckling: Buckling) -> str:
+    if len(buckling.factors):
+        return f"at {', '.join(f'{factor:.5g}' for factor in buckling.factors)} times the loads"
+    if buckling.is_open:
+        return (
+            f"none up to {buckling.told_to:.3g} times the loads; more cannot be told from round-off, as reversed ones "
+            f"buckle it at {-buckling.reversed[0]:.3g}"
+        )
+    return "none: these forces do not buckle it"
 
 
 def _trust(shape: ShapeReport, count: int, what: str, unit: str) -> list[tuple[str, str]]:

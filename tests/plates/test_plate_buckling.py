@@ -1,6 +1,7 @@
 """Linear buckling against closed forms, textbook tables and a Ritz method without elements."""
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -173,3 +174,30 @@ BAD_REQUESTS = {
 @pytest.mark.parametrize("name", BAD_REQUESTS)
 def test_impossible_request_is_refused(name: str) -> None:
     assert_refused(*BAD_REQUESTS[name])
+
+
+@pytest.mark.parametrize("n", [3, 8])  # by LAPACK, and by Lanczos
+def test_a_factor_that_weak_parts_hide_is_told_to_be_possible(n: int) -> None:
+    """A board that is pressed beside a film that is pulled: the film, turned round, buckles at a millionth of what the
+    board does. It was said that these forces do not buckle it."""
+    board = plate.Laminate([plate.Ply(plate.Material.isotropic(70e9, 0.3, 1600.0), 1e-3)])
+    film = plate.Laminate([plate.Ply(plate.Material.isotropic(2.5e9, 0.3, 1400.0), 12e-6)])
+    mesh = plate.grid(0.1, 0.05, 2 * n, n, "criss-cross")
+    at_left = mesh.corners[..., 0].mean(axis=1) < 0.05
+    regions = np.where(at_left, 0, 1).astype(np.int32)
+    mesh = replace(mesh, regions=regions, region_names=("board", "film"))
+    seam = plate.SimplySupported(LineString([(0.05, 0.0), (0.05, 0.05)]))
+    problem = plate.Problem(
+        mesh, {"board": board, "film": film}, "dkt", [plate.SimplySupported("boundary"), seam]
+    )
+    both = plate.buckling(problem, 3, forces=np.where(at_left[:, None], [[-50.0, 0, 0]], [[5.0, 0, 0]]))
+    alone = plate.buckling(problem, 3, forces=np.where(at_left[:, None], [[-50.0, 0, 0]], [[0.0, 0, 0]]))
+    assert not len(both.factors)
+    assert both.is_open
+    assert both.told_to == pytest.approx(-1e6 * both.reversed[0])
+    assert alone.critical > both.told_to
+    assert not alone.is_open
+    assert any("a buckling factor above" in note for note in both.notes)
+    pulled = plate.buckling(problem, 3, forces=(5.0, 0.0, 0.0))
+    assert pulled.critical == np.inf
+    assert not pulled.is_open

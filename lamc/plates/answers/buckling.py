@@ -7,6 +7,7 @@ does after it has buckled; deflection before it, which is taken to be too small 
 tension positive. Source: J. N. Reddy, Mechanics of Laminated Composite Plates and Shells, 2nd ed. 2004, section 3.7.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -17,7 +18,7 @@ from lamc.basics.brief import brief
 from lamc.basics.checks import Array, checked_array, shown
 from lamc.basics.errors import DesignError
 from lamc.basics.once import lazy
-from lamc.plates.answers.eigen import pinned, stability
+from lamc.plates.answers.eigen import NEGLIGIBLE, pinned, stability
 from lamc.plates.answers.model import FactoredPlate
 from lamc.plates.answers.pencil import check_problem, pencil
 from lamc.plates.answers.shape_errors import ShapeError, notes_of, shape_error, solution_of
@@ -61,9 +62,18 @@ class Buckling(Shapes):
 
     @property
     def critical(self) -> float:
-        """The least positive factor; inf where these forces, up to a million times those that buckle it when they are
-        reversed, do not buckle the plate."""
+        """The least positive factor; inf where these forces do not buckle the plate, as far as told: see `is_open`."""
         return float(self.factors[0]) if len(self.factors) else float("inf")
+
+    @property
+    def told_to(self) -> float:
+        """Factors beyond this cannot be told from round-off of those of the reversed forces; infinite without such."""
+        return float(-self.reversed[0] / NEGLIGIBLE) if len(self.reversed) else float("inf")
+
+    @property
+    def is_open(self) -> bool:
+        """Whether no factor was found, and one may be there, beyond `told_to`: some of the plate is pressed."""
+        return not len(self.factors) and math.isfinite(self.told_to) and _can_buckle(self.forces)
 
     @property
     def errors(self) -> Array:
@@ -75,7 +85,14 @@ class Buckling(Shapes):
         """What a reader of these factors should know."""
         regions = tuple(found.region for found in self._found)
         count = len(self.factors)
+        beyond = (
+            f"these forces press the plate somewhere: a buckling factor above {self.told_to:.3g} may be there, which "
+            f"cannot be told from round-off, as the reversed forces buckle it at {-self.reversed[0]:.3g}"
+            if self.is_open
+            else None
+        )
         return (
+            *([beyond] if beyond else []),
             *notes_of("buckling factor", self.errors[:count], regions[:count]),
             *notes_of("reversed buckling factor", self.errors[count:], regions[count:]),
             *polygon_texts(self.problem),

@@ -37,7 +37,7 @@ _SEED = 20_040_229  # any, but always the same
 # Rounds of Lanczos in which buckling factors are found, where there are as many: some ten are usual.
 _ROUNDS = 100
 # Of the largest inverse factor of either sign: those that are less are round-off of the solutions, and none.
-_NEGLIGIBLE = 1e-6
+NEGLIGIBLE = 1e-6
 
 
 def rigid_basis(motions: Array, mass: Matrix) -> tuple[Array, list[int]]:
@@ -192,7 +192,7 @@ def stability(
     chosen = {}
     for sign, (inverses, vectors) in found.items():
         order = np.argsort(-inverses)[:count]
-        kept = order[inverses[order] > _NEGLIGIBLE * largest]
+        kept = order[inverses[order] > NEGLIGIBLE * largest]
         chosen[sign] = sign / inverses[kept], vectors[:, kept]
     return chosen
 
@@ -220,7 +220,7 @@ def _nearest(
             found[sign] = inverses_of(sign, count, _ROUNDS)
         except ArpackNoConvergence:
             largest = float(np.abs(inverses_of(sign, 1, which="LM")[0][0]))
-            there = min(count, _pressed(stiffness, geometric, sign / (_NEGLIGIBLE * largest)))
+            there = min(count, _pressed(stiffness, geometric, sign / (NEGLIGIBLE * largest)))
             found[sign] = inverses_of(sign, there) if there else (np.empty(0), np.empty((size, 0)))
     return found
 

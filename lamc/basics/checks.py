@@ -31,13 +31,18 @@ def shown(value: object) -> str:
     return text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}…"
 
 
+def nearest_name(word: str, known: Sequence[str]) -> str | None:
+    """The name that an unknown word is in other letters, or nearly; None where none is near."""
+    same = [name for name in known if name.lower() == word.lower()]
+    return next(iter(same or difflib.get_close_matches(word, known, n=1, cutoff=0.6)), None)
+
+
 def did_you_mean(word: str, known: Sequence[str]) -> str:
     """A hint that ends a message about an unknown word."""
     known = list(dict.fromkeys(known))
-    close = [name for name in known if name.lower() == word.lower()]
-    close = close or difflib.get_close_matches(word, known, n=1, cutoff=0.6)
-    if close:
-        return f"did you mean {close[0]!r}?"
+    near = nearest_name(word, known)
+    if near is not None:
+        return f"did you mean {near!r}?"
     listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
     return f"known are {listed}" if known else "none are known here"
 

@@ -23,7 +23,7 @@ from lamc.design.linking import millimetres
 from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import lines_of_sheet
 from lamc.export.cuts.dxf import dxf_bytes
-from lamc.export.cuts.kerf import lines_of, narrow, offset
+from lamc.export.cuts.kerf import clash_of, lines_of, narrow, offset
 from lamc.export.cuts.lines import ROLES, CutLine, bounds_of, open_line, rings_of
 from lamc.export.cuts.options import CASTELLATED, DRAWN, PERFORATED, style_of
 from lamc.export.cuts.perforated import dashes_of
@@ -136,17 +136,17 @@ def _comparison(plan: Plan) -> str:
 
 
 def _sheet(mechanism: Mechanism, options: ExportOptions) -> dict[str, bytes]:
-    style, pitch = style_of(options.hinge_style, named("hinge_style"))
-    if style == CASTELLATED or options.hinge_width != DRAWN:
-        field = "hinge_style" if style == CASTELLATED else "hinge_width"
-        raise ExportError(
-            f"{named(field)} is of boards beside hinges; this is a sheet of creases: leave it out"
-        )
     sheet = CreasedSheet(mechanism, "cut files hold layers, or a sheet of")
     if sheet.faults:
         raise UnsupportedError(
             f"this is no sheet of creases, and its drawing of layers is not here: {'; '.join(sheet.faults)}; export "
             "the design"
+        )
+    style, pitch = style_of(options.hinge_style, named("hinge_style"))
+    if style == CASTELLATED or options.hinge_width != DRAWN:
+        field = "hinge_style" if style == CASTELLATED else "hinge_width"
+        raise ExportError(
+            f"{named(field)} is of boards beside hinges; this is a sheet of creases: leave it out"
         )
     lines = lines_of_sheet(sheet, is_cut=True)
     rims = [line for line in lines if line.pen.name in _BORDERS]
@@ -211,13 +211,10 @@ def _area(rims: Sequence[CutLine]) -> float:
 
 def _compensated(pieces: MultiPolygon, kerf: float) -> MultiPolygon:
     """Outlines outward by half of the kerf, holes inward. Raises ExportError where pieces would grow into one."""
-    count = len(pieces.geoms)
     grown = offset(shapely.union_all(list(pieces.geoms)), 0.5 * kerf)
-    if len(grown.geoms) < count:
-        raise ExportError(
-            f"{count} pieces of the sheet are nearer to each other than the kerf of {1e6 * kerf:.4g} um: "
-            f"{len(grown.geoms)} would be left; draw the gap wider, or give the kerf of a finer cutter"
-        )
+    clash = clash_of("pieces of the sheet", list(pieces.geoms), grown, kerf)
+    if clash is not None:
+        raise clash
     return grown
 
 

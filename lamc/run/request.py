@@ -4,7 +4,6 @@ In: plain arguments of `Simulator.run`. Out: `Request` and `Trajectory`, checked
 integrator shares. Never: evaluates anything.
 """
 
-import difflib
 import math
 from collections.abc import Callable, Iterable
 from contextlib import suppress
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from lamc.basics.checks import shown
+from lamc.basics.checks import nearest_name, shown
 from lamc.basics.errors import DesignError, RequestError
 from lamc.basics.units import DURATION, to_si
 
@@ -210,6 +209,6 @@ def did_you_mean(name: str, names: Iterable[str]) -> str:
     known = list(names)
     if not known:
         return "there are none"
-    near = difflib.get_close_matches(str(name), known, n=1, cutoff=0.6)
+    near = nearest_name(str(name), known)
     shown = ", ".join(known[:8]) + (f", … ({len(known)} in all)" if len(known) > 8 else "")
-    return (f"did you mean {near[0]!r}? " if near else "") + f"there are {shown}"
+    return (f"did you mean {near!r}? " if near is not None else "") + f"there are {shown}"

@@ -129,10 +129,12 @@ class Modes(Unchanging):
         ]
         if not above:
             return ()
-        modes = f"mode {above[0]} is" if len(above) == 1 else f"modes {above[0]} to {above[-1]} are"
+        in_a_row = above[-1] - above[0] + 1 == len(above)
+        several = f"modes {above[0]} to {above[-1]}" if in_a_row else f"{len(above)} modes from {above[0]} on"
+        modes = f"mode {above[0]} is" if len(above) == 1 else f"{several} are"
         return (
             f"{modes} above {limit / (2.0 * math.pi):.4g} Hz, up to which the shapes of bodies that bend have all of "
-            "their motion: frequencies there are too high, or of no plate; more modes of flexible_links reach farther",
+            "their motion: frequencies there may be too high, or of no plate; more modes of flexible_links tell",
         )
 
     @property

@@ -41,9 +41,7 @@ class Outputs:
         hint = did_you_mean(name, [*self.units, *self.varied])
         if is_unit(name):
             hint = "as a unit it stands behind its number: put both into parentheses, (5 N*mm)"
-        longer = next(
-            (known for known in self.units if known.startswith(name) and not _is_plain(known)), None
-        )
+        longer = next((known for known in self.units if _is_cut_off(name, known)), None)
         if longer is not None:
             hint = f'a name with other characters stands between quotes: "{longer}"'
         raise ExpressionError(f"no output of a run is named {name!r}; {hint}")
@@ -54,6 +52,11 @@ class Outputs:
             {name: each[name] for name in sorted(names) if name in each} for each in (self.units, self.varied)
         )
         return Outputs(units, self.events, varied)
+
+
+def _is_cut_off(name: str, known: str) -> bool:
+    """Whether a name is what is read of a known one without quotes: "link" of "link 2.x"."""
+    return known.startswith(name) and not _is_plain(known) and not known[len(name) :][:1].isalnum()
 
 
 def _is_plain(name: str) -> bool:

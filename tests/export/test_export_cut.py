@@ -584,7 +584,7 @@ def test_a_piece_in_a_window_is_cut_out_and_refused_where_the_kerf_is_wider_than
     assert [name for name, _ in found] == ["border", "border", "hole"]
     assert [area for _, area in found] == pytest.approx([38.2**2, 80.2**2, 39.8**2], rel=SAME)
     with pytest.raises(
-        ExportError, match="2 pieces of the sheet are nearer to each other than the kerf of 1500 um"
+        ExportError, match="two pieces of the sheet are 1000 um from each other at .69.5, -41. mm"
     ):
         cut(made, kerf="1.5 mm")
 
@@ -708,3 +708,24 @@ def test_a_line_that_bounds_nothing_is_told_to_be_missing(tmp_path: Path) -> Non
         made = cut(lamc.load(tmp_path / "slit.svg"))
     (note,) = [line for line in told(made) if "bounds nothing" in line]
     assert "a line that bounds nothing is not in these files, at (20, -10) mm, path #slit" in note
+
+
+@pytest.mark.parametrize("x", [10, 11, 12, 13])
+def test_a_slit_as_wide_as_the_kerf_is_one_line(x: int) -> None:
+    """What was left of the offsets by round-off was a cut of no length."""
+    text = f"""
+name: k
+units: mm
+materials: {{card: {{density: 700, rigid: true}}, film: {{density: 1390, flexible: true}}}}
+layers: [{{name: low, material: card, thickness: 0.5}}, {{name: hinge, material: film, thickness: 0.05}}]
+shapes: [{{rect: [0, 0, 60, 12]}}]
+hinges: [{{name: j1, line: [[{x}, 0], [{x}, 12]], layer: hinge, gap: 1, stiffness: 1e-3}}]
+fixed: [{{rect: [0, 0, 5, 12]}}]
+"""
+    design = load_text(text, "k.yaml")
+    assert isinstance(design, Design)
+    made = cut(design, kerf=1e-4)
+    slits = [line for line in dxf_lines(made["1_low.dxf"]) if line[0] == "2_slits"]
+    (note,) = [line for line in told(made) if "no wider than the kerf" in line]
+    assert "1 slit of a hinge is no wider than the kerf of 100 um" in note
+    assert len(slits) == 1

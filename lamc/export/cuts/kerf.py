@@ -4,12 +4,15 @@ In: a layer as it is cut, and the width that the cutter takes away. Out: lines: 
 slits inward. What is narrower than the kerf is told, or cut once along its middle where it is a hinge's slit.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 import shapely
 from shapely import STRtree
 from shapely.geometry import LineString, MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from lamc.basics.brief import counted
 from lamc.basics.errors import ExportError
 from lamc.design.cutting import as_multipolygon
 from lamc.design.linking import millimetres
@@ -64,25 +67,34 @@ def _thin_slits(layer: CutLayer, grown: MultiPolygon, kerf: float) -> list[LineS
             (start, end), beyond = np.array(line.coords), half + kerf
             along = (end - start) * (beyond / line.length)
             closed = shapely.intersection(LineString([start - along, end + along]), between)
-            lines += [p for p in shapely.get_parts(closed) if isinstance(p, LineString) and p.length > 0.0]
+            parts = [p for p in shapely.get_parts(closed) if isinstance(p, LineString)]
+            lines += [
+                p for p in parts if p.length > _SHOWN * kerf
+            ]  # what is shorter is round-off of the offsets
     return lines
 
 
 def _clash(layer: CutLayer, grown: MultiPolygon, lines: list[LineString], kerf: float) -> ExportError | None:
     """What is wrong where two parts lie in one piece that no line parts; None where each has its own."""
     cut = shapely.difference(grown, shapely.buffer(shapely.union_all(lines), 1e-4 * kerf))
-    pieces = list(as_multipolygon(cut).geoms)
-    points = np.array([part.representative_point() for part in layer.parts.geoms], dtype=object)
+    return clash_of(
+        f"parts of layer {layer.layer.name!r}", list(layer.parts.geoms), as_multipolygon(cut), kerf
+    )
+
+
+def clash_of(what: str, parts: Sequence[Polygon], cut: MultiPolygon, kerf: float) -> ExportError | None:
+    """What is wrong where two parts lie in one of the pieces that are cut; None where each has its own."""
+    pieces = list(cut.geoms)
+    points = np.array([part.representative_point() for part in parts], dtype=object)
     which, held = STRtree(pieces).query(points, predicate="within")
     by_piece: dict[int, int] = {}
     for point, piece in zip(which.tolist(), held.tolist(), strict=True):
         if piece in by_piece:
-            one, two = layer.parts.geoms[by_piece[piece]], layer.parts.geoms[point]
+            one, two = parts[by_piece[piece]], parts[point]
             at = shapely.shortest_line(one, two).interpolate(0.5, normalized=True)
             return ExportError(
-                f"two parts of layer {layer.layer.name!r} are {_um(one.distance(two))} from each other at "
-                f"{millimetres((at.x, at.y))}, less than the kerf of {_um(kerf)}: they would stay one; draw the gap "
-                "wider, or give the kerf of a finer cutter"
+                f"two {what} are {_um(one.distance(two))} from each other at {millimetres((at.x, at.y))}, less than "
+                f"the kerf of {_um(kerf)}: they would stay one; draw the gap wider, or give the kerf of a finer cutter"
             )
         by_piece[piece] = point
     return None
@@ -94,8 +106,8 @@ def _narrow(layer: CutLayer, grown: MultiPolygon, lines: list[LineString], kerf:
     notes = []
     if lines:
         notes.append(
-            f"{name}: {len(lines)} slits of hinges are no wider than the kerf of {_um(kerf)} and are cut once, along "
-            "the hinge line; each side loses half of what the kerf is wider"
+            f"{name}: {counted(len(lines), 'slit of a hinge is', 'slits of hinges are')} no wider than the kerf of "
+            f"{_um(kerf)} and cut once, along the hinge line; each side loses half of what the kerf is wider"
         )
     beams = shapely.buffer(shapely.union_all(lines), 0.51 * kerf)
     return [*notes, *narrow(name, layer.parts, grown, kerf, beams)]

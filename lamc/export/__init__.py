@@ -32,7 +32,7 @@ Exported: TypeAlias = Union[Design, Mechanism, "Result", "PlateFile", "Problem"]
 
 
 class Making(Protocol):
-    """What the module of a target has to have."""
+    """What the module of a target has to have; it may have `told(files)` too, lines for the command line."""
 
     def files(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
         """The export itself: pure but for temporary files of a compiler."""

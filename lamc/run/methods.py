@@ -24,7 +24,9 @@ class Method:
     is_implicit: bool = False  # asks for a Jacobian
     is_stiff: bool = False  # no step is too long for it to be stable
     is_chosen: bool = True  # by "auto" and accuracy=; False: by users alone
-    has_fixed_steps: bool = False  # of a length that is given, with lamc_stiff_step
+    has_fixed_steps: bool = (
+        False  # of a length that is given: lamc_stiff_step, which is Rodas5P's and no other's
+    )
 
 
 _TABLE = (

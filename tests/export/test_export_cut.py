@@ -584,7 +584,7 @@ def test_a_piece_in_a_window_is_cut_out_and_refused_where_the_kerf_is_wider_than
     assert [name for name, _ in found] == ["border", "border", "hole"]
     assert [area for _, area in found] == pytest.approx([38.2**2, 80.2**2, 39.8**2], rel=SAME)
     with pytest.raises(
-        ExportError, match="two pieces of the sheet are 1000 um from each other at .69.5, -41. mm"
+        ExportError, match=r"two pieces of the sheet are 1000 um from each other at \(69.5, -41\) mm"
     ):
         cut(made, kerf="1.5 mm")
 

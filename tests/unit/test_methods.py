@@ -48,6 +48,18 @@ def test_the_table_says_what_the_c_does(name: str) -> None:
     assert not method.is_stiff or method.is_implicit
 
 
+def test_steps_of_a_given_length_are_those_of_the_c_that_has_them() -> None:
+    """`lamc_stiff_step` is written for one method; another takes code of its own (stiff.c, fixed.c, the exports)."""
+    fixed = [name for name, method in METHODS.items() if method.has_fixed_steps]
+    assert fixed == sorted(set(re.findall(r"lamc_method_(\w+)\.", source("stiff"))))
+
+
+def test_a_table_of_an_export_may_lack_methods_that_users_alone_take() -> None:
+    """`auto` asks every method of the table how much room it takes; the room of none was asked for, too."""
+    asks = source("run").partition("static long long size_of_methods(")[2].partition("\n}")[0]
+    assert "METHODS[i] == NULL ? 0" in asks
+
+
 def test_auto_goes_by_the_same_numbers_in_python_and_in_c() -> None:
     reported = dict(re.findall(r"static const lamc_real (\w+) = ([^;]+);", source("watch")))
     for name in ("TIGHT", "TIGHT_FOR_RADAU", "LINEAR_ALGEBRA"):

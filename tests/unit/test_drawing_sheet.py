@@ -414,3 +414,30 @@ def test_a_tolerance_in_metres_by_mistake_is_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(DesignError, match="200 mm, and the drawing 40 mm wide: it must be at most 2 mm"):
         lamc.load(path, heal=0.2)
+
+
+@pytest.mark.parametrize("missing", [2.0, 20.0, 40.0])
+def test_cuts_that_are_the_outline_are_refused_where_one_is_missing(missing: float) -> None:
+    """The facet beside it had been lost, as of a border."""
+    creases = [line((15, 0), (15, 40)), line((25, 0), (25, 40))]
+    path = [(0.0, 0.0), (40.0, 0.0), (40.0, 40.0), (0.0, 40.0), (0.0, missing)]
+    with pytest.raises(lamc.DesignError, match=r"outline is open: path #rim .cut. ends at "):
+        read(line(*path, role="cut", source="path #rim"), *creases)
+    made, _ = read(line(*path, role="cut"), line((0, missing), (0, 0), role="cut"), *creases)
+    assert len(made.bodies) == 3
+
+
+def test_a_line_over_the_corner_of_a_rim_that_ends_in_a_crease_is_no_open_outline() -> None:
+    sides = line((0, 0), (40, 0), (40, 40), (0, 40), role="border")
+    last, over = line((0, 40), (0, 0)), line((0, 0), (-4, -4), role="border")
+    made, told = read(sides, last, over, line((15, 0), (15, 40)))
+    assert len(made.bodies) == 2
+    assert "line that bounds nothing" in " ".join(told)
+
+
+@pytest.mark.parametrize("beyond", [0.0, 2.0])
+def test_a_crease_that_runs_over_into_a_relief_leaves_a_notch(beyond: float) -> None:
+    """Its end within the relief, beyond the rim, had made that material."""
+    made, _ = read(square(0, 0, 40), line((20, -beyond), (20, 40)), square(19, -1, 2, role="cut"))
+    assert sum(body.mass for body in made.bodies) / SQUARE_MM == pytest.approx(1600.0, rel=1e-12)
+    assert len(made.joints) == 2  # the crease, and its piece amid the relief

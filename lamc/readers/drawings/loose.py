@@ -16,7 +16,7 @@ from lamc.basics.errors import DesignError
 from lamc.readers.drawings.heal import CREASES, MOST, OUTLINES, Graph, size_of
 from lamc.readers.drawings.telling import millimetres, name_of
 from lamc.readers.fold_groups import pieces_of
-from lamc.records.drawing import STRAY, Mend, Stroke
+from lamc.records.drawing import STRAY, Mend, Role, Stroke
 
 # Of the size: ends of one line that are farther apart are a side that is missing, and not to be joined.
 _SLIP = 0.02
@@ -60,23 +60,30 @@ def _check_closed(graph: Graph, strokes: Sequence[Stroke], gone: Sequence[int], 
     """Raises DesignError for an outline that goes on where nothing is parted any more: one of its sides is missing, and
     with it the facets along it would be. What runs over a corner of an outline, or touches it, goes on beside it."""
     ends = np.bincount(np.array(graph.edges, dtype=int).ravel(), minlength=len(graph.points))
-    loose = [k for k in gone if strokes[graph.strokes[k]].role in OUTLINES]
+    has_outlines = any(stroke.role in OUTLINES for stroke in strokes)
+    rims = OUTLINES if has_outlines else frozenset[Role](("cut",))  # of a drawing that has nothing else
+    loose = [k for k in gone if strokes[graph.strokes[k]].role in rims]
     if not loose:
         return
     rim = [k for k in _about_all(graph, kept) if strokes[graph.strokes[k]].role in OUTLINES | {"cut"}]
     around = np.bincount(
         np.array([graph.edges[k] for k in rim], dtype=int).ravel(), minlength=len(graph.points)
     )
+    open_at: dict[
+        int, tuple[int, int]
+    ] = {}  # where a rim goes on that is open: its stroke, and where that ends
     for piece in pieces_of(loose, _touching(graph, loose)):
         vertices = sorted({v for k in piece for v in graph.edges[k]})
         tips = [v for v in vertices if ends[v] == 1]
-        if tips and any(around[v] % 2 for v in vertices):
-            owner = graph.strokes[piece[0]]
-            raise DesignError(
-                f"the outline is open: {name_of(strokes, owner)} ({strokes[owner].role}) ends at "
-                f"{millimetres(graph.points[tips[0]])}, and facets along it would be lost: close it "
-                f"({_CLOSING}), or draw the side that is missing"
-            )
+        if tips:
+            open_at |= {v: (graph.strokes[piece[0]], tips[0]) for v in vertices if around[v] % 2}
+    if len(open_at) > 1:  # both ends of what is missing; one alone is a line that runs over a corner
+        owner, tip = next(iter(open_at.values()))
+        raise DesignError(
+            f"the outline is open: {name_of(strokes, owner)} ({strokes[owner].role}) ends at "
+            f"{millimetres(graph.points[tip])}, and facets along it would be lost: close it "
+            f"({_CLOSING}), or draw the side that is missing"
+        )
 
 
 def _about_all(graph: Graph, kept: Sequence[int]) -> list[int]:

@@ -57,6 +57,7 @@ COARSER = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 # Of the size: facets narrower than that, on average, and edges that are shorter, are where lines should have met in one
 # place, a pixel or so beside another: of a sheet of 100 mm 0.05 mm, less than any card is thick.
 NARROW = 5e-4
+_OVERRUN = 0.25  # of a crease: so much of it beyond outlines is an end that runs over, and no crease of a piece there
 
 
 def sheet_of(drawing: Drawing, options: SheetOptions) -> Mechanism:
@@ -260,9 +261,7 @@ def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes:
     # More than rounding of the area, of lines that are a billionth of the size apart. Cuts that run over the edge of
     # what outlines enclose with all creases are notches.
     within = hull(points, drawn)
-    middles = points[np.array(of(*CREASES), dtype=int).reshape(-1, 2)].mean(axis=1)
-    far = 1e-6 * math.sqrt(within.area)
-    is_outside = bool((shapely.distance(within, shapely.points(middles)) > far).any()) or not of("border")
+    is_outside = _has_creases_beyond(graph, strokes, kept, within) or not of("border")
     if cuts and is_outside and hull(points, drawn + cuts).area > (1.0 + 1e-6) * within.area:
         notes.append(
             "no outline is drawn about all: cuts that enclose something are taken for outlines and holes"
@@ -274,6 +273,21 @@ def _region(graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], notes:
         every = [graph.edges[k] for k in kept]
         found = areas(shapely.difference(hull(points, every), hull(points, holes)))
     return found
+
+
+def _has_creases_beyond(
+    graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], within: MultiPolygon
+) -> bool:
+    """Whether a crease lies beyond what outlines enclose, by more than an end that runs over into a relief."""
+    far = 1e-6 * math.sqrt(within.area)
+    creases = [k for k in kept if strokes[graph.strokes[k]].role in CREASES]
+    ends = graph.points[np.array([graph.edges[k] for k in creases], dtype=int).reshape(-1, 2)]
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    beyond = shapely.distance(within, shapely.points(ends.mean(axis=1))) > far
+    owners = [graph.strokes[k] for k in creases]
+    whole = np.bincount(owners, weights=lengths, minlength=len(strokes))
+    outside = np.bincount(owners, weights=np.where(beyond, lengths, 0.0), minlength=len(strokes))
+    return bool((outside > _OVERRUN * whole).any())
 
 
 def _beyond(

@@ -19,6 +19,7 @@ from pydantic import (
 )
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from lamc.basics.brief import counted
 from lamc.basics.checks import checked_flag, checked_name, did_you_mean, is_list, shown
 from lamc.basics.errors import DesignError, LamcError
 
@@ -39,6 +40,7 @@ _PLAIN_WORDS = {  # pydantic speaks of Python's types; people who write files kn
     "bool_type": "true or false is expected here",
     "bool_parsing": "true or false is expected here",
 }
+_COUNTS = {"too_long": ("at most", "max_length"), "too_short": ("no fewer than", "min_length")}
 RULES = {"gt": "above", "ge": "at least", "lt": "below", "le": "at most"}
 
 
@@ -84,6 +86,9 @@ def problem_text(item: Any) -> str:
     if item["type"] == "missing":
         return "this key is missing, and it is required"
     given = shown(item["input"])
+    if item["type"] in _COUNTS:
+        least_or_most, key = _COUNTS[item["type"]]
+        return f"{least_or_most} {counted(item['ctx'][key], 'value')} may stand here, and it is {given[:60]}"
     for rule, words in RULES.items():
         if rule in item.get("ctx", ()):
             return f"it is {given}; it must be {words} {item['ctx'][rule]:g}"

@@ -234,6 +234,8 @@ def _origin(form: Any) -> Any:
 
 
 def _called(path: Path) -> str:
-    """A value by its field, and in a map by its name."""
+    """A value by its field, and in a map by its name: "stiffness", "torque of 'knee'"."""
     field, *names = (step for step in path if isinstance(step, str))
+    if names and field.endswith("s") and not field.endswith("ss"):
+        field = field[:-1]
     return field.replace("_", " ") + "".join(f" of {name!r}" for name in names)

@@ -83,8 +83,8 @@ def to_si(value: object, quantity: Quantity, bare_unit: str | None = None) -> fl
     """
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise DesignError(
-            f"{_shown(value)} is not {with_article(quantity.name)}; write a number in {quantity.unit or 'plain form'}, "
-            f"or with its unit, such as {quantity.example!r}"
+            f"{_shown(value)} is not {with_article(quantity.name)}; write a number in "
+            f"{bare_unit or quantity.unit or 'plain form'}, or with its unit, such as {quantity.example!r}"
         )
     if isinstance(value, str):
         number, unit = _split(value, quantity)
@@ -147,6 +147,8 @@ def check_unit(unit: str, quantity: Quantity) -> None:
     """Refuses what pint should not see."""
     if len(unit) > LONGEST:
         raise DesignError(f"a unit of {len(unit)} characters; at most {LONGEST} are allowed")
+    if re.match(r",\s*[0-9]", unit):
+        raise DesignError(f"{unit!r} behind a number is no unit; numbers have a decimal point, as in 0.5")
     if unit and not _UNIT.match(" ".join(unit.split())):
         if _FORMULA.search(unit):
             raise DesignError(

@@ -92,9 +92,14 @@ def _is_alike(likeness_of: tuple[float, int] | None) -> bool:
 
 
 def remarks(compared: tuple[Compared, ...]) -> list[str]:
-    """Where residuals are no noise."""
+    """Where residuals are no noise, and columns that stand still where the model moves."""
     found = []
     for each in compared:
+        dead = [column for column in each.columns if "stands still" in each.share_text(column)]
+        found += [
+            f"{each.name}: {column} {each.share_text(column)}: is that sensor dead? Leave its column out"
+            for column in dead
+        ]
         for k, column in enumerate(each.columns):
             alike = likeness(each.residuals[:, k])
             if alike is not None and _is_alike(alike):
@@ -102,7 +107,12 @@ def remarks(compared: tuple[Compared, ...]) -> list[str]:
                     f"{each.name}: what is left of {column} is alike from row to row (correlation {alike[0]:.2f}): "
                     "the model misses something, and the intervals are too narrow"
                 )
-            off = offset(each.residuals[:, k], float(np.nanmax(np.abs(each.measured[:, k]), initial=0.0)))
+            # A column that says what is not so pulls the model off the others.
+            off = (
+                0.0
+                if dead
+                else offset(each.residuals[:, k], float(np.nanmax(np.abs(each.measured[:, k]), initial=0.0)))
+            )
             if off:
                 found.append(
                     f"{each.name}: the model is off {column} by {shown_number(off, each.units[k], 3)} throughout: it "

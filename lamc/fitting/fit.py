@@ -37,6 +37,7 @@ from lamc.studies.making import scene_of
 from lamc.studies.targets import Made, Studied, family_of
 
 FORGETS = 100.0  # times as large as at the start: a change of it
+_MANY = 10.0  # times the data's variance: these hardly vary
 _POOR = 0.5  # share of the data's variance: a model that does not describe them
 
 
@@ -156,7 +157,8 @@ def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
     notes = [*setting.notes, *predictor.runs.notes, *solved.notes, *remarks(compared)]
     share = left_over(objective, inner)
     if share > _POOR:
-        notes.append(f"the model leaves {share:.0%} of the data's variance: it does not describe them")
+        left = f"{share:.0%} of the data's variance" if share < _MANY else "far more than the data vary"
+        notes.append(f"the model leaves {left}: it does not describe them")
         notes += beyond_a_turn(compared)
     notes += [
         f"{name} stands at its bound, {values[name]:g}; widen the range, or leave it there: intervals of the others "

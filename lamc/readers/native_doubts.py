@@ -17,28 +17,40 @@ def vain_cuts(
 ) -> Iterator[tuple[int, str]]:
     """Cuts, by index, that meet nothing that was drawn before them in any of their layers, as of drawings whose y run
     opposite ways. drawn_in: for each layer the indices of what is drawn in it, or cut from it, ascending."""
-    vain: dict[int, list[Region]] = {
+    before: dict[int, list[Region]] = {
         k: [] for k, region in enumerate(regions) if cuts[k] and region is not None
     }
+    after: dict[int, list[Region]] = {k: [] for k in before}
     for indices in dict.fromkeys(map(tuple, drawn_in)):
         drawn = [(k, each) for k in indices if not cuts[k] and (each := regions[k]) is not None]
-        asked = [k for k in indices if k in vain]
+        asked = [k for k in indices if k in before]
         if not asked or not drawn:
             continue
         tree = shapely.STRtree([each for _, each in drawn])
         which, met = tree.query([regions[k] for k in asked], predicate="intersects")
         for place, other in zip(which.tolist(), met.tolist(), strict=True):
-            if drawn[other][0] < asked[place]:
-                vain.pop(asked[place], None)
+            k, (first, each) = asked[place], drawn[other]
+            if k in before and not shapely.touches(regions[k], each):
+                if first < k:
+                    del before[k], after[k]
+                else:
+                    after[k].append(each)
         for k in asked:
-            if k in vain:
-                vain[k] += [each for i, each in drawn if i < k]
-    for k, before in vain.items():
+            if k in before:
+                before[k] += [each for i, each in drawn if i < k]
+    for k, shapes in before.items():
         region = regions[k]
-        if before and region is not None:
+        assert region is not None
+        if after[k]:
             yield (
                 k,
-                f"the cut removes nothing: it lies in {_box(region)}, and what was drawn before it in {_box(*before)}; "
+                f"the cut removes nothing: what lies in {_box(region)} is drawn after it; shapes are taken in their "
+                "order, and a cut stands behind what it cuts",
+            )
+        elif shapes:
+            yield (
+                k,
+                f"the cut removes nothing: it lies in {_box(region)}, and what was drawn before it in {_box(*shapes)}; "
                 "in SVG y runs down the page, and is read as negative",
             )
 

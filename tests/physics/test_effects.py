@@ -238,8 +238,8 @@ def test_effects_have_names_of_their_own_and_say_what_they_are() -> None:
         (lambda: Gravity((0, 0)), DesignError, "must hold 3 numbers"),  # type: ignore[arg-type]
         (lambda: Gravity((0, 0, math.nan)), DesignError, "finite"),
         (lambda: Gravity("down"), DesignError, "gravity.acceleration: acceleration is 'down'"),  # type: ignore[arg-type]
-        (lambda: Torque({"hip": math.inf}), DesignError, "torques of 'hip' is inf"),
-        (lambda: Torque({"hip": None}), DesignError, "None is not a torques of 'hip'; write a number in N.m"),  # type: ignore[dict-item]
+        (lambda: Torque({"hip": math.inf}), DesignError, "torque of 'hip' is inf"),
+        (lambda: Torque({"hip": None}), DesignError, "None is not a torque of 'hip'; write a number in N.m"),  # type: ignore[dict-item]
         (lambda: Torque(0.3), DesignError, "give a map from names to numbers"),  # type: ignore[arg-type]
         (lambda: Torque({"hip": "t.real"}), ExpressionError, "joint 'hip'.*column 2"),
         (

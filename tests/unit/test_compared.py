@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lamc.fitting.compared import Compared
+from lamc.fitting.compared import Compared, remarks
 from lamc.fitting.neighbours import offset
 
 T = np.linspace(0.0, 2.0, 201)
@@ -53,3 +53,16 @@ def test_only_what_was_recorded_at_rest_is_called_so(
 def test_what_lies_to_one_side_all_along_has_an_offset(residual: np.ndarray, told: bool) -> None:
     found = offset(residual, 1.3)
     assert (found == pytest.approx(np.mean(residual))) if told else found == 0.0
+
+
+def test_a_dead_column_is_named_and_nothing_else_is_blamed() -> None:
+    """The offset that it forces on the others was said to be theirs."""
+    measured = np.column_stack([SWING, np.full(len(T), 0.5)])
+    predicted = np.column_stack([SWING + 0.3, np.gradient(SWING, T)])
+    both = Compared("run", T, ("h", "h.rate"), ("rad", "rad/s"), measured, predicted)
+    notes = remarks((both,))
+    (dead,) = [note for note in notes if "sensor dead" in note]
+    assert dead.startswith("run: h.rate stands still, and the model moves by")
+    assert not any("throughout" in note for note in notes)
+    alone = Compared("run", T, ("h",), ("rad",), measured[:, :1], predicted[:, :1])
+    assert any("off h by" in note for note in remarks((alone,)))

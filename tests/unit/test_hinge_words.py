@@ -199,5 +199,5 @@ def test_a_key_without_its_colon_is_told_as_such() -> None:
 
 
 def test_a_name_with_underscores_keeps_them_in_messages() -> None:
-    with pytest.raises(lamc.DesignError, match="not a unit of torques of 'right_root'"):
+    with pytest.raises(lamc.DesignError, match="not a unit of torque of 'right_root'"):
         lamc.Torque({"right_root": "1 N"})

@@ -2,6 +2,7 @@
 
 import json
 import math
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -429,3 +430,27 @@ def test_an_example_that_is_not_there_names_those_that_are() -> None:
 def test_both_errors_and_places_are_kept_apart() -> None:
     error = DesignErrors([DesignError("a"), DesignError("b")])
     assert str(error) == "a\nb"
+
+
+@pytest.mark.parametrize(
+    ("shapes", "said"),
+    [
+        (
+            "{cut: {rect: [20, 2, 30, 8]}}, {rect: [0, 0, 40, 10]}",
+            "is drawn after it; shapes are taken in their order",
+        ),
+        (
+            "{rect: [0, 0, 40, 10]}, {cut: {rect: [40, 2, 42, 4]}}",
+            "and what was drawn before it in x from 0 to 40 mm",
+        ),
+        ("{rect: [0, 0, 40, 10]}, {cut: {rect: [20, 2, 30, 8]}}, {rect: [22, 3, 28, 7]}", ""),  # an island
+    ],
+)
+def test_a_cut_that_removes_nothing_is_told(tmp_path: Path, shapes: str, said: str) -> None:
+    """Before what it is to cut, and beside its edge."""
+    start, end = GOOD.index("shapes:"), GOOD.index("hinges:")
+    text = f"{GOOD[:start]}shapes: [{shapes}]\n{GOOD[end:]}"
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        design(tmp_path, text)
+    assert [said in str(each.message) for each in told] == ([True] if said else [])

@@ -156,7 +156,7 @@ REFUSED = [
     ),
     (
         "scenes:\n  a: {with: {torque: {h: 3 kg}}}",
-        "2:26: scenes.a.with.torque.h: 'kg' is not a unit of torques of 'h'",
+        "2:26: scenes.a.with.torque.h: 'kg' is not a unit of torque of 'h'",
     ),
     (
         "scenes:\n  a: {with: {torque: {h: 3*x}}}",

@@ -33,13 +33,19 @@ class _Gap:
     other: int
 
 
+class GapsError(DesignError):
+    """Lines end near to others, as many as `count`."""
+
+    count: int = 0
+
+
 def left_out(
     graph: Graph, strokes: Sequence[Stroke], kept: Sequence[int], tolerance: float, option: str = "--heal"
 ) -> list[Mend]:
     """A mend for each stroke of which something is left out. option: what sets the tolerance.
 
-    Raises DesignError where the end of an outline or a crease has another line near to it, with the tolerance that
-    joins them; with a tolerance of 0 of an outline alone.
+    Raises GapsError where the end of an outline or a crease has another line near to it, with the tolerance that
+    joins them, with a tolerance of 0 of an outline alone; DesignError for an outline that is open.
     """
     gone = sorted(set(range(len(graph.edges))) - set(kept))
     found: dict[int, Mend] = {}
@@ -47,7 +53,9 @@ def left_out(
     tips = [k for k in gone if strokes[graph.strokes[k]].role in meant]
     gaps = _gaps(graph, gone, tips, {v for k in kept for v in graph.edges[k]})
     if gaps:
-        raise DesignError(_told(graph, strokes, gaps, tolerance, option))
+        error = GapsError(_told(graph, strokes, gaps, tolerance, option))
+        error.count = len(gaps)
+        raise error
     _check_closed(graph, strokes, gone, kept)
     for k in gone:
         owner = graph.strokes[k]

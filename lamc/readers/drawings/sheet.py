@@ -18,7 +18,7 @@ from lamc.design.shapes import areas
 from lamc.readers.drawings.coarser import coarser, curves_of, fewest, is_straight
 from lamc.readers.drawings.faces import faces_within, linked
 from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, check_tolerance, healed, size_of
-from lamc.readers.drawings.loose import left_out
+from lamc.readers.drawings.loose import GapsError, left_out
 from lamc.readers.drawings.material import material_of
 from lamc.readers.drawings.outlines import hull, parting
 from lamc.readers.drawings.telling import full_notes, name_of, told
@@ -57,6 +57,7 @@ COARSER = (1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
 # Of the size: facets narrower than that, on average, and edges that are shorter, are where lines should have met in one
 # place, a pixel or so beside another: of a sheet of 100 mm 0.05 mm, less than any card is thick.
 NARROW = 5e-4
+_HEAP = 1000  # ends of lines that stop short: a heap of lines, which takes minutes at all tolerances, and none joins it
 _OVERRUN = 0.25  # of a crease: so much of it beyond outlines is an end that runs over, and no crease of a piece there
 
 
@@ -151,7 +152,8 @@ def _found(strokes: Sequence[Stroke], asked: float | None, *, large: bool) -> tu
         try:
             found = _within(strokes, tolerance, large=large)
         except _StopsShortError as error:
-            if k == len(usual) - 1:
+            many = isinstance(error.why, GapsError) and error.why.count > _HEAP
+            if k == len(usual) - 1 or many:
                 raise error.why from error
             continue
         slivers = found.slivers(NARROW * size)

@@ -48,7 +48,7 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
     with terminal.progress() as progress:
         times.observer = progress.stage
         made = _plate(order, times) if is_plate_source(order.source) else _mechanism(order, times, progress)
-        folder_of = folder_name(f"{made.name[:50]}_{order.target}")
+        folder_of = f"{folder_name(made.name[:50])}_{order.target}"
         folder = Path(order.out) if order.out is not None else Path("out") / folder_of
         written = write_folder(folder, made.files, Origin(made.name, order.target), force=order.force)
     files, effects = made.files, made.effects

@@ -262,8 +262,10 @@ def _quantities(texts: Sequence[str], option: str, kind: Quantity, joints: Seque
 
 
 def folder_name(name: str) -> str:
-    """A folder's name that resembles `name`: one path component, of letters, digits and "._-" only."""
-    return re.sub(r"[^A-Za-z0-9._-]+", "_", name).strip("._")[:60] or "design"
+    """A folder's name that resembles `name`: one path component, of letters, digits and "._-" only. A name without any
+    of these is told from others by a digest."""
+    found = re.sub(r"[^A-Za-z0-9._-]+", "_", name).strip("._")[:60]
+    return found or f"design_{hashlib.sha256(name.encode('utf-8', 'surrogatepass')).hexdigest()[:6]}"
 
 
 @contextmanager

@@ -563,3 +563,10 @@ def test_ctrl_c_while_lamc_is_imported_is_one_line_and_no_traceback() -> None:
     done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
     assert (done.returncode, done.stdout) == (130, "")
     assert done.stderr == "error: interrupted; nothing was written\n"
+
+
+def test_names_of_other_letters_have_folders_of_their_own() -> None:
+    crane, ship = folder_name("鶴"), folder_name("船")
+    assert crane != ship
+    assert crane == folder_name("鶴")
+    assert {crane[:7], ship[:7]} == {"design_"}

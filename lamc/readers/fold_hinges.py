@@ -141,7 +141,8 @@ class Hinges:
             return kind != "U", rest
         if sign:
             degrees = f"{math.degrees(REST):g}"
-            self._tell(f"no fold angle; M rests at -{degrees} degrees, V at {degrees}", name)
+            angle = "a fold angle of 0, which is where the flat sheet is" if given else "no fold angle"
+            self._tell(f"{angle}; M rests at -{degrees} degrees, V at {degrees}", name)
         return sign != 0.0 or kind != "U", sign * REST
 
     def _longest(self, crease: Crease) -> int:

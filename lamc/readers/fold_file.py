@@ -123,6 +123,9 @@ class _Reader:
         vertices = self._vertices(data)
         faces = self._faces(data, len(vertices))
         edges = self._edges(data, len(vertices), faces)
+        if faces is not None and any(len(set(face)) < len(face) for face in faces):
+            self._tell_slits(faces, vertices)
+            faces = None
         if data.get("faceOrders") or data.get("edgeOrders"):
             self.notes.append("the order of layers (faceOrders) is not used: facets pass through one another")
         angles = self._angles(data, len(edges))
@@ -207,12 +210,24 @@ class _Reader:
         faces = []
         for index, face in enumerate(self._list(data, "faces_vertices")):
             corners = self._indices(face, count, f"face {index}")
-            if len(corners) < 3 or len(set(corners)) != len(corners):
+            if len(set(corners)) < 3:
                 raise self.error(
-                    f"face {index} has the vertices {shown(list(corners))}; it needs three or more, each once"
+                    f"face {index} has the vertices {shown(list(corners))}; it needs three or more"
                 )
             faces.append(corners)
         return tuple(faces)
+
+    def _tell_slits(self, faces: tuple[tuple[int, ...], ...], vertices: Array) -> None:
+        """Of faces that pass a vertex twice, around a slit or to a hole and back: edges of a flat sheet say as much."""
+        index, face = next((k, face) for k, face in enumerate(faces) if len(set(face)) < len(face))
+        passes = f"face {index} passes a vertex twice, {shown(list(face))}"
+        if np.ptp(vertices[:, 2]) > 0.0:
+            raise self.error(
+                f"{passes}, as around a slit: that is read of flat sheets, not of folded ones; part the face by edges F"
+            )
+        self.notes.append(
+            f"{passes}: faces are found from the edges, and slits that end amid one are left out"
+        )
 
     def _edges(
         self, data: Data, count: int, faces: tuple[tuple[int, ...], ...] | None

@@ -141,8 +141,8 @@ class Hinges:
             return kind != "U", rest
         if sign:
             degrees = f"{math.degrees(REST):g}"
-            angle = "a fold angle of 0, which is where the flat sheet is" if given else "no fold angle"
-            self._tell(f"{angle}; M rests at -{degrees} degrees, V at {degrees}", name)
+            said = "a fold angle of 0, which is where the flat sheet is" if given else "no fold angle"
+            self._tell(f"{said}; M rests at -{degrees} degrees, V at {degrees}", name)
         return sign != 0.0 or kind != "U", sign * REST
 
     def _longest(self, crease: Crease) -> int:

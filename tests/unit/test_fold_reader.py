@@ -681,3 +681,20 @@ def test_several_facets_may_be_held(tmp_path: Path) -> None:
         assert [body.fixed for body in made.bodies] == [True, False, True]
     made = read(tmp_path, data, fixed=("30 mm", "10 mm"))
     assert [body.name for body in made.bodies if body.fixed] == ["F1"]
+
+
+def test_a_face_around_a_slit_is_read_of_a_flat_sheet(tmp_path: Path) -> None:
+    """The specification lets a face pass a vertex twice."""
+    data = two_squares(edges_foldAngle=[None] * 6 + [50])
+    data["vertices_coords"] += [[10, 10]]
+    data["edges_vertices"] += [[0, 6]]
+    data["edges_assignment"] = [*data["edges_assignment"], "B"]
+    data["edges_foldAngle"] = [*data["edges_foldAngle"], None]
+    data["faces_vertices"] = [[0, 6, 0, 1, 4, 5], [1, 2, 3, 4]]
+    made = read(tmp_path, data)
+    assert counts(made) == (2, 1)
+    assert made.joints[0].rest_angle == pytest.approx(math.radians(50.0))
+    assert any("face 0 passes a vertex twice" in note for note in notes(tmp_path, data))
+    data["vertices_coords"] = [[x, y, 0.1 * x] for x, y in data["vertices_coords"]]
+    with pytest.raises(LamcError, match="not of folded ones; part the face by edges F"):
+        read(tmp_path, data)

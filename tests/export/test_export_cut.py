@@ -412,7 +412,7 @@ def test_a_sheet_that_is_too_small_is_refused_with_what_it_needs() -> None:
         ({"hinge_width": "0 mm"}, "must be above 0"),
         ({"kerf": -1e-4}, "at least 0"),
         ({"kerf": math.nan}, "finite"),
-        ({"kerf": 0.1}, r"is 0\.1 m, .* write '0\.1 mm'"),
+        ({"kerf": 0.1}, r"is 100 mm, and more than 5 mm is not cut.* write '0\.1 mm'"),
         ({"stock": "300 x 200"}, "write '300 mm'"),
         ({"pins": 3}, "write '3 mm'"),
         ({"hinge_width": "1"}, "write '1 mm'"),

@@ -40,7 +40,7 @@ def checked_width(value: Any, what: str) -> str | float:
 
 
 def checked_kerf(value: Any, what: str) -> float:
-    return _at_most(checked_number(value, what, minimum=0.0, quantity=LENGTH), what, _KERF)
+    return _at_most(value, checked_number(value, what, minimum=0.0, quantity=LENGTH), what, _KERF)
 
 
 def checked_pins(value: Any, what: str) -> float | None:
@@ -65,13 +65,15 @@ def _length(value: Any, what: str, largest: float) -> float:
     number = checked_number(value, what, minimum=0.0, quantity=LENGTH)
     if not number > 0.0:
         raise DesignError(f"{what} is {number:g} m; it must be above 0")
-    return _at_most(number, what, largest)
+    return _at_most(value, number, what, largest)
 
 
-def _at_most(number: float, what: str, largest: float) -> float:
+def _at_most(value: Any, number: float, what: str, largest: float) -> float:
+    """number: of what was given."""
     if number > largest:
+        is_bare = not isinstance(value, str) or value.strip()[-1:] in "0123456789."
+        hint = f": numbers without a unit are m; write '{number:g} mm' if it is that" if is_bare else ""
         raise DesignError(
-            f"{what} is {number:g} m, and more than {largest:g} m is not cut: numbers without a unit are m; write "
-            f"'{number:g} mm' if it is that"
+            f"{what} is {1e3 * number:g} mm, and more than {1e3 * largest:g} mm is not cut{hint}"
         )
     return number

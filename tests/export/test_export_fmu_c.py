@@ -184,6 +184,7 @@ def test_sources_compile_without_a_warning(sources, fmi, compiler, tmp_path):
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 @pytest.mark.slow
+@pytest.mark.ci("3")
 def test_two_fmus_in_one_program(sources, fmi, tmp_path):
     """Linked statically, with the prefixes that the standard's headers give to functions."""
     objects = []

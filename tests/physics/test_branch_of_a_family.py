@@ -157,6 +157,7 @@ def taken(simulator: lamc.Simulator, degree: int) -> tuple[Array, int]:
 
 
 @pytest.mark.quick("5-False")
+@pytest.mark.ci("4-True", "5-*", "6-*", "7-*")
 @needs_cc
 @pytest.mark.parametrize("tab", [False, True])
 @pytest.mark.parametrize("degree", sorted(DIRECTIONS))

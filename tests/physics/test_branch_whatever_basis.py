@@ -30,6 +30,7 @@ def branch(loops: LoopGeometry) -> tuple[int, Array]:
 
 
 @pytest.mark.slow
+@pytest.mark.ci("4")
 @pytest.mark.parametrize("columns", [4, 5])
 def test_another_basis_gives_the_same_branch(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, columns: int

@@ -125,7 +125,9 @@ def tangent_of(names: tuple[str, ...], q: Array, zigzag: float) -> Array:
     return np.sign(q) * np.array([1.0 if name[0] == "z" else slope for name in names])
 
 
-@pytest.mark.parametrize("count", [4, pytest.param(16, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "count", [4, pytest.param(8, marks=pytest.mark.slow), pytest.param(16, marks=pytest.mark.campaign)]
+)
 def test_miura_sheets_fold_as_their_closed_form(count: int) -> None:
     """Along the whole fold: closed to 1e-12, and moving along the tangent of the closed form to 1e-12."""
     sim = lamc.compile(sheet(count))
@@ -140,7 +142,7 @@ def test_miura_sheets_fold_as_their_closed_form(count: int) -> None:
         assert np.abs(jacobian @ tangent_of(names, q, zigzag)).max() <= 1e-12
 
 
-@pytest.mark.parametrize("count", [5, pytest.param(8, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [5, pytest.param(8, marks=pytest.mark.campaign)])
 def test_three_formulations_agree_on_sheets(count: int) -> None:
     """The C, by a table of kernels at 8 x 8; the same program read in Python, with M put together from passes; and
     Newton and Euler's equations with a spanning tree of their own."""

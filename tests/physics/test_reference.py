@@ -162,6 +162,7 @@ def test_unit_plates_of_the_paper_fold_as_published() -> None:
 @pytest.mark.quick(
     "double_pendulum-*-MaximalCoordinates", "mass_ratio-*-MaximalCoordinates", "triple_stiff_e2-*-NewtonEuler"
 )
+@pytest.mark.ci("double_pendulum-*-MaximalCoordinates", "mass_ratio-*", "triple_stiff_e2-*-NewtonEuler")
 def test_reference_cases(shared: Path, case: str, last: float, cross_check: Any) -> None:
     cases = {c["id"]: c for c in json.loads((shared / "reference" / "dynamics.json").read_text())["cases"]}
     mechanism, scene = from_reference(cases[case]["spec"])

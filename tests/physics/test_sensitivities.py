@@ -377,11 +377,10 @@ DEVICES: dict[str, Callable[[], lamc.Design | Mechanism]] = {
 
 @pytest.mark.quick("samples-dop853-")
 @pytest.mark.ci(
-    "a loop-dop853- -DLAMC_ONE_LANE",
     "samples-*-",
     "impacts-dop853-",
     "a series-dop853- -DLAMC_ONE_LANE",
-    "a table-radau5- -mavx",
+    "a series-radau5- -mavx",
 )
 @pytest.mark.parametrize("flags", ["", " -mavx", " -DLAMC_ONE_LANE"])
 @pytest.mark.parametrize("integrator", ["dop853", "radau5"])

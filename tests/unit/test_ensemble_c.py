@@ -160,7 +160,6 @@ def printed(tree: SourceTree, folder: Path, flags: Sequence[str], machine: Seque
     "DOP853-waterbomb",
     "DOP853-n_four_bar",
     "DOP853-ground_contact",
-    "RK45-two_loops",
     "RK45-free_base",
     "RK45-series",
     "RK45-joint_limits",

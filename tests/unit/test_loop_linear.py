@@ -134,6 +134,7 @@ def test_what_becomes_weak_on_the_way_is_found() -> None:
 
 
 @pytest.mark.quick("61")
+@pytest.mark.ci("56", "59", "61", "62", "65")
 @pytest.mark.parametrize("nullity", range(56, 66))
 def test_a_cutoff_amid_close_values_leaves_out_as_many_as_asked_for(nullity: int) -> None:
     random = np.random.default_rng(11)

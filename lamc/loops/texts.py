@@ -98,4 +98,4 @@ def resistance(given: Mapping[str, float], without: Callable[[str], float | None
     if not possible:
         return "no single one of them is to blame: give fewer, or others"
     _, name, instead = min(possible)
-    return f"joint {name!r} resists: {instead:.4g} {unit} instead of {given[name]:g} would do"
+    return f"joint {name!r} resists: left out, it comes to {instead:.4g} {unit} instead of {given[name]:g}"

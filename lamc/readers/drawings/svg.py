@@ -94,8 +94,9 @@ class _Reader:
                 found += self._placed(drawn, role, layer, drawn.style.strength, to_metres)
         is_silhouette = not found
         for drawn in filled:
-            has_area = is_silhouette and drawn.element.tag != "line"
-            role, layer = self.roles.of_fill(drawn.style, drawn.source, is_silhouette=has_area)
+            is_line = drawn.element.tag == "line"  # which has nothing to fill
+            style = replace(drawn.style, fill=None) if is_line else drawn.style
+            role, layer = self.roles.of_fill(style, drawn.source, is_silhouette=is_silhouette and not is_line)
             if role is not None:
                 found += self._placed(drawn, role, layer, 1.0, to_metres)
         return found

@@ -699,3 +699,20 @@ def test_css_geometry_goes_before_attributes() -> None:
     told = drawn('<circle r="3" style="r: 5" stroke="black"/>')
     assert np.ptp(told.strokes[0].points[:, 0]) == pytest.approx(6e-3, rel=1e-2)  # an inscribed polygon's
     assert any("has r: 5 in a style, which without a unit is none" in note for note in told.notes)
+
+
+def test_a_nested_svg_is_told_to_be_drawn_beyond_its_size() -> None:
+    """A viewer clips it."""
+    inside = '<line x1="50" x2="60" stroke="red"/>'
+    clipped = drawn(f'<svg width="30" height="20">{inside}</svg>')
+    assert len(clipped.strokes) == 1
+    assert any("svg 2 (line 1): is drawn whole, and not clipped" in note for note in clipped.notes)
+    for more in ('overflow="visible"', 'style="overflow: visible"'):
+        whole = drawn(f'<svg width="30" height="20" {more}>{inside}</svg>')
+        assert not any("clipped" in note for note in whole.notes)
+
+
+def test_a_line_without_a_stroke_is_not_said_to_be_filled() -> None:
+    read = drawn(LINE + '<line x2="9" stroke="none"/>')
+    assert any("it has neither stroke nor fill" in note for note in read.notes)
+    assert not any("filled" in note for note in read.notes)

@@ -22,7 +22,7 @@ GEOMETRY = frozenset(name for names in GEOMETRY_OF.values() for name in names)
 PROPERTIES = GEOMETRY | frozenset(
     (
         *("stroke", "stroke-opacity", "opacity", "fill", "color", "display", "visibility"),
-        *("clip-path", "mask", "transform", "transform-origin"),
+        *("clip-path", "mask", "overflow", "transform", "transform-origin"),
     )
 )
 Declarations = dict[str, str]

@@ -148,7 +148,11 @@ class Walk:
             if chosen is not None:
                 yield from self._drawn(chosen, style, own, viewport, depth + 1)
         elif tag == "svg":
-            inner, view = self._viewed(self._measured(element, declared), viewport, {})
+            measured = self._measured(element, declared)
+            overflows = declared.get("overflow", "hidden").strip().lower() in ("visible", "auto")
+            if not overflows and {"width", "height"} & measured.attributes.keys():
+                self.notes.add("is drawn whole, and not clipped to its width and height", element.source)
+            inner, view = self._viewed(measured, viewport, {})
             yield from self._children(element, style, own @ inner, view, depth)
         else:
             yield from self._children(element, style, own, viewport, depth)

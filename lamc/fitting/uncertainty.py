@@ -121,6 +121,8 @@ def _hidden(null: Array, singular: Array, felt: Array, noise: float, unknown: fl
     reached: (f,), how far each may go within its bounds, of its size. Who has a small share of a direction goes as far
     as the one with the largest may.
     """
+    if not null.size:  # all is told, or nothing is free
+        return np.zeros(null.shape[1])
     sizes = np.abs(null)
     real = sizes * felt > _ABOVE * unknown
     with np.errstate(divide="ignore", invalid="ignore"):

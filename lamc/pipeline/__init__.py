@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from lamc.basics.checks import shown
+from lamc.basics.checks import did_you_mean, shown
 from lamc.basics.errors import BuildError, DesignError
 from lamc.basics.places import located_at
 from lamc.basics.times import Observer, Times
@@ -38,13 +38,14 @@ logger = logging.getLogger("lamc")
 
 def compile(  # noqa: A001  the public name is lamc.compile
     design: Design | Mechanism,
-    scene: Scene | None = None,
+    scene: Scene | str | None = None,
     options: CompileOptions | None = None,
     times: Times | None = None,
     cache: Cache | None = None,
     progress: Observer | bool | None = None,
 ) -> Simulator:
-    """A simulator of `design` in `scene` (None: the design's own, else what the design asks for).
+    """A simulator of `design` in `scene`, which may be the name of one of the design's (None: the design's own, else
+    what the design asks for).
 
     cache: where compiled modules are kept; None: the user's own.
     progress: called with the name of each stage as it begins; True: a bar, in notebooks too.
@@ -60,7 +61,7 @@ def compile(  # noqa: A001  the public name is lamc.compile
                 mechanism = split(design)
         else:
             mechanism = design
-        scene = scene or mechanism.scene or Scene()
+        scene = _named(mechanism, scene) if isinstance(scene, str) else scene or mechanism.scene or Scene()
         with located_at(scene.places):
             mechanism = with_values(mechanism, scene)
             check_work(mechanism, large=options.large)
@@ -102,6 +103,14 @@ def _simulator(job: Job) -> Simulator:
     )
 
 
+def _named(mechanism: Mechanism, name: str) -> Scene:
+    if name not in mechanism.scenes:
+        raise DesignError(
+            f"no scene of the design is named {name[:40]!r}; {did_you_mean(name, list(mechanism.scenes))}"
+        )
+    return mechanism.scenes[name]
+
+
 def _check_arguments(design: object, scene: object, options: object, times: object) -> None:
     """Raises DesignError or BuildError for an argument of another type."""
     if isinstance(design, str | Path):
@@ -112,8 +121,8 @@ def _check_arguments(design: object, scene: object, options: object, times: obje
         raise DesignError(
             f"the design is {shown(design)}; it must be a Design or a Mechanism, as lamc.load gives"
         )
-    if not isinstance(scene, Scene | None):
-        raise DesignError(f"the scene is {shown(scene)}; it must be a Scene, or None")
+    if not isinstance(scene, Scene | str | None):
+        raise DesignError(f"the scene is {shown(scene)}; it must be a Scene, the name of one, or None")
     if not isinstance(options, CompileOptions | None):
         raise BuildError(f"options is {shown(options)}; it must be CompileOptions(…), or None")
     if not isinstance(times, Times | None):

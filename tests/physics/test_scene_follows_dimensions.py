@@ -58,8 +58,6 @@ def test_studies_and_derivatives_follow(flap: Design, k: int) -> None:
     table = lamc.sweep(flap, vary={"a0": [0.3, 0.4]}, measure="fold[0]", scene=scene, t_end=0.01)
     found = table["fold[0]"].values
     assert found[1] - found[0] == pytest.approx(0.1 * slope, abs=1e-12)
-    if isinstance(scene, str):
-        return
     simulator = lamc.compile(flap, scene)
     run = simulator.run(0.01, t_eval=[0.0, 0.01], sensitivities=["a0"])
     assert run.sensitivity("fold", "a0")[0] == pytest.approx(slope, abs=1e-8)  # differences of starts
@@ -82,3 +80,10 @@ def test_a_fit_follows(flap: Design) -> None:
     recording = lamc.Recording(run.t, {"fold": run.angle("fold")})
     found = lamc.fit(flap, recording, {"a0": (0.1, 0.6)}, flap.scenes["twice"])
     assert found.values["a0"] == pytest.approx(0.3, rel=1e-6)
+
+
+def test_a_scene_that_there_is_not_is_told_with_what_there_is(flap: Design) -> None:
+    with pytest.raises(
+        lamc.DesignError, match=r"no scene of the design is named 'twcie'; did you mean 'twice'\?"
+    ):
+        lamc.compile(flap, "twcie")

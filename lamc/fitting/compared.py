@@ -14,6 +14,8 @@ from lamc.fitting.solve import Solved
 from lamc.run.request import Array
 
 _CORRELATED = 0.3  # of neighbouring rows, beyond which they are no noise, and intervals too narrow to believe
+# By unit: what is less may be below what a sensor tells, or its file is rounded to
+_TOLD_BY_SENSORS = {"rad": 1e-2, "rad/s": 0.1, "m": 1e-3, "m/s": 1e-2}
 _ROUND_OFF = 1e-12  # of a column's largest number: what varies by less stands still
 
 
@@ -86,6 +88,14 @@ def compared_of(predictor: Predictor, solved: Solved) -> tuple[Compared, ...]:
     return tuple(found)
 
 
+def _is_dead(compared: Compared, k: int) -> bool:
+    """Whether a column stands still where the model moves by more than its sensor fails to tell."""
+    predicted = compared.predicted[np.isfinite(compared.measured[:, k]), k]
+    moves = float(np.ptp(predicted)) if len(predicted) else 0.0
+    least = _TOLD_BY_SENSORS.get(compared.units[k], np.inf)
+    return moves > least and "stands still" in compared.share_text(compared.columns[k])
+
+
 def _is_alike(likeness_of: tuple[float, int] | None) -> bool:
     """Whether neighbouring rows are more alike than those of noise."""
     return likeness_of is not None and likeness_of[0] > _CORRELATED + 2.0 / np.sqrt(likeness_of[1])
@@ -95,7 +105,7 @@ def remarks(compared: tuple[Compared, ...]) -> list[str]:
     """Where residuals are no noise, and columns that stand still where the model moves."""
     found = []
     for each in compared:
-        dead = [column for column in each.columns if "stands still" in each.share_text(column)]
+        dead = [column for k, column in enumerate(each.columns) if _is_dead(each, k)]
         found += [
             f"{each.name}: {column} {each.share_text(column)}: is that sensor dead? Leave its column out"
             for column in dead

@@ -149,10 +149,12 @@ class Starter:
     def is_elsewhere(self, start: Scene) -> bool:
         """Whether the angles of `start` are none that the mechanism comes to from a regular drawn position without a
         dead point, so that of the closed positions with them the one of smallest angles is taken."""
-        drawn = np.zeros(self.size)
-        if not start.angles or self.size > LARGE or self.count.accepted_gap or self.is_singular(drawn):
+        drawn, given = np.zeros(self.size), start.angles
+        if not given or self.size > LARGE or self.count.accepted_gap or self.is_singular(drawn):
             return False
-        return self._led_along(*self._given(start.angles)) is None
+        if len(given) > self.size - self.count.rank:
+            return False  # more than may be chosen, as of a position that is known: they say themselves where it is
+        return self._led_along(*self._given(given)) is None
 
     def given(self, values: Mapping[str, float]) -> Array:
         """`values` by name as a row (n,) of all joints, and zero for the others."""

@@ -65,7 +65,7 @@ def elsewhere_note(given: Mapping[str, float]) -> str:
     return (
         f"the drawn mechanism does not move to {named(given)} rad without a dead point on its way, or at its start: of "
         "the closed positions with these angles the one of smallest angles is the start, which may be another way of "
-        "assembly; give angles of other joints too"
+        "assembly; angles of all joints say which is meant"
     )
 
 

@@ -226,7 +226,7 @@ class _Reader:
                 f"{passes}, as around a slit: that is read of flat sheets, not of folded ones; part the face by edges F"
             )
         self.notes.append(
-            f"{passes}: faces are found from the edges, and slits that end amid one are left out"
+            f"{passes}: faces are found from the edges and numbered anew; slits that end amid one are left out"
         )
 
     def _edges(

@@ -287,11 +287,13 @@ class HasScenes(Protocol):
 
 
 def own_scene(made: HasScenes, scene: Scene) -> str | None:
-    """Which of its own scenes a scene is, by name; "": the one without a name, None: none of them. One that was read
-    from the same text is the same; one that was made by hand is only itself, whatever it says."""
+    """Which of its own scenes a scene is, by name; "": the one without a name, None: none of them. One that says the
+    same at the same place of the same file is the same; one that was made by hand is only itself."""
 
     def is_same(own: Scene | None) -> bool:
-        return own is scene or (own == scene and bool(scene.places.known))
+        if own is scene or own is None or not scene.places.known:
+            return own is scene
+        return own.places.known == scene.places.known and own == scene
 
     if is_same(made.scene):
         return ""

@@ -77,7 +77,9 @@ class Sensitivities:
     def horizon(self, result: "Result") -> tuple[float, str] | None:
         """Since when, s, and by which name, a change of a number by the tolerance of the run moves the state by more
         than a hundredth of its range: in chaotic motion, where derivatives tell no finite change. None: nowhere."""
-        reach = HORIZON * np.ptp(result.y, axis=1)[None, :, None] / result.stats.rtol
+        # What moves by less than atol / rtol is not known to a part of itself: at rest all changes are large.
+        range_of = np.maximum(np.ptp(result.y, axis=1), result.stats.atol / result.stats.rtol)
+        reach = HORIZON * range_of[None, :, None] / result.stats.rtol
         moved = np.abs(self.values) * np.array(self.sizes or (1.0,) * len(self.names))
         beyond = np.any(moved > np.where(reach > 0.0, reach, np.inf), axis=1)  # (m, p)
         rows = np.flatnonzero(beyond.any(axis=1))

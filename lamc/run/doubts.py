@@ -12,7 +12,7 @@ import numpy as np
 from lamc.basics.threads import on_one_thread
 from lamc.loops.linear import DENSE, Linear
 from lamc.run.methods import IMPLICIT
-from lamc.run.resting import longest_step
+from lamc.run.unresolved import Steps, short_enough, told
 
 if TYPE_CHECKING:
     from lamc.records.mechanism import Array
@@ -43,10 +43,7 @@ def _no_derivative(result: "Result") -> list[str]:
     if found.lost is not None:
         lines.append(f"there is no derivative from t = {found.lost.t:.6g} s on: {found.lost.reason}")
     if (longest := _too_long(result)) is not None:
-        lines.append(
-            "the run begins at rest, where the error of its state bounds no step, and steps of "
-            f"{result.stats.integrator} are too long for its derivatives: max_step={longest:.2g} holds them to 1e-6"
-        )
+        lines.append(told(longest, result.stats.integrator))
     if (horizon := found.horizon(result)) is not None:
         lines.append(
             f"from t = {horizon[0]:.4g} s on a change of {horizon[1]} by the run's tolerance moves the state by more "
@@ -56,16 +53,16 @@ def _no_derivative(result: "Result") -> list[str]:
 
 
 def _too_long(result: "Result") -> float | None:
-    """How long steps may be, s, of a run at rest whose derivatives an implicit method collocates over longer ones.
-    Those of explicit methods go by steps of their own."""
+    """How long steps may be, s, where an implicit method has collocated derivatives over longer ones, on average. Those
+    of explicit methods go by steps of their own."""
     stats = result.stats
-    if not {stats.integrator, *(name for _, name in stats.switches)} & {*IMPLICIT}:
+    used = stats.integrator.split(", ")
+    if not {*used} & {*IMPLICIT} or not stats.accepted:
         return None
-    y0 = np.concatenate([result.q[0], result.u[0]])
-    span = (float(result.t[0]), float(result.t[-1]))
-    longest = longest_step(result.motion, y0, span, max(stats.rtol, stats.atol), result.mechanism.size)
-    asked = math.inf if stats.max_step is None else stats.max_step
-    return longest if longest < min(asked, span[1] - span[0]) else None
+    y0, span = np.concatenate([result.q[0], result.u[0]]), float(result.t[-1] - result.t[0])
+    taken = Steps(used, span / stats.accepted, span)
+    longest, _ = short_enough(result.motion, y0, float(result.t[0]), result.mechanism.size, taken)
+    return longest if math.isfinite(longest) else None
 
 
 def _folded_through(result: "Result") -> list[str]:

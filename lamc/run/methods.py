@@ -77,6 +77,7 @@ SHOWN = ", ".join((AUTO, *METHODS))  # for help
 # As `auto` and accuracy= try them: of the explicit ones the higher order first.
 EXPLICIT = tuple(m.name for m in sorted(_TABLE, key=lambda m: -m.order) if m.is_chosen and not m.is_implicit)
 IMPLICIT = tuple(m.name for m in _TABLE if m.is_chosen and m.is_implicit)
+STIFFEST = max((m for m in _TABLE if m.is_chosen and m.is_stiff), key=lambda m: m.order).name
 
 # What `auto` goes by, as in runtime_c/src/watch.c.
 TIGHT = 3e-6  # rtol below which the higher order is faster

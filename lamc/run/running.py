@@ -9,18 +9,21 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from lamc.basics._version import __version__
+from lamc.basics.errors import warn
 from lamc.basics.once import lazy
 from lamc.records.effect import PlaneMark, marks_of
 from lamc.run import integrators
 from lamc.run.ending import message
 from lamc.run.energy_balance import Kept
 from lamc.run.extended import Extended
+from lamc.run.methods import STIFFEST
 from lamc.run.model import Motion
-from lamc.run.request import Request
-from lamc.run.resting import longest_step
+from lamc.run.request import Request, Trajectory
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.sensitivities import Differentiated
+from lamc.run.taping import Tape
+from lamc.run.unresolved import Steps, longest_step, short_enough, told
 
 logger = logging.getLogger("lamc")
 
@@ -41,11 +44,10 @@ class Running(Extended):
         started = time.perf_counter()
         carrier = motion if differentiated is None else differentiated.motion
         carrier = carrier if request.tape is None else request.tape.motion
-        if request.tape is not None:
-            span, tolerance = (request.t_start, request.t_end), max(request.rtol, request.atol)
-            longest = longest_step(carrier, request.y0, span, tolerance, self.mechanism.size)
-            request = replace(request, max_step=min(request.max_step, longest))
-        used, trajectory = integrators.integrate(integrator, carrier, request)
+        if request.tape is None:
+            used, trajectory = integrators.integrate(integrator, carrier, request)
+        else:
+            used, trajectory, request = self._taped(integrator, request, request.tape)
         wall_time = time.perf_counter() - started
         provenance, marks = self._circumstances(motion)
         result = Result(
@@ -84,6 +86,32 @@ class Running(Extended):
         )
         logger.info("run of %r: %s, in %.3g s", self._model.name, result.message, wall_time)
         return result, trajectory.effort
+
+    def _taped(self, integrator: str, request: Request, tape: Tape) -> tuple[str, Trajectory, Request]:
+        """A run that leaves a tape: once more with shorter steps, or by an implicit method, where they are too long for
+        derivatives of modes that do not move. What it was in the end, and what was asked for then."""
+        used, trajectory = integrators.integrate(integrator, tape.motion, request)
+        longest, is_affordable = self._bearable(used, trajectory, request, tape)
+        if not is_affordable and integrator == "auto":
+            request = replace(request, tape=tape.emptied())
+            used, trajectory = integrators.integrate(STIFFEST, tape.motion, request)
+            longest, is_affordable = self._bearable(used, trajectory, request, tape)
+            integrator = STIFFEST
+        if not is_affordable:
+            warn(told(longest, used))
+        elif longest < request.max_step:
+            request = replace(request, tape=tape.emptied(), max_step=longest)
+            used, trajectory = integrators.integrate(integrator, tape.motion, request)
+        return used, trajectory, request
+
+    def _bearable(
+        self, used: str, trajectory: Trajectory, request: Request, tape: Tape
+    ) -> tuple[float, bool]:
+        """As `short_enough`, of a run that has left a tape."""
+        assert request.tape is not None
+        longest = longest_step(trajectory.t, request.tape.at)
+        taken = Steps(used.split(", "), longest, trajectory.t_reached - request.t_start)
+        return short_enough(tape.motion, request.y0, request.t_start, self.mechanism.size, taken)
 
     def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:
         """Where a result comes from, and what its pictures show besides the bodies."""

@@ -34,7 +34,8 @@ WHY = {
     1: "several events fall on one instant, and another value takes them in another order",
     2: "a limit is touched and not passed",
     3: "loops lose equations at a singular position",
-    4: "derivatives grow beyond all numbers",
+    4: "derivatives grow beyond all numbers, or change faster than a step of the run can be parted for (a stiff "
+    "integrator, or max_step, follows them)",
     BETWEEN_STEPS: "a switch falls between two steps of scipy's integrator; lamc's own end steps at switches",
     UNFOLLOWED: "a step of scipy's integrator could not be followed; take one of lamc's own",
 }

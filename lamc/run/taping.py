@@ -42,6 +42,10 @@ class Tape:
     chunks: list[tuple[Array, int]] = field(default_factory=list)
     at: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
+    def emptied(self) -> "Tape":
+        """For another run of the same."""
+        return Tape(self.motion, self.keys, self.simulator, self.parameters)
+
 
 def check_taped(integrator: str, is_more: bool, baumgarte: float) -> None:
     """Raises RequestError for runs that leave no tape."""

@@ -139,10 +139,11 @@ static inline void lamc_begin_finely(lamc_sensitivity *s, const lamc_fine_room *
 static inline int lamc_go_finely(lamc_sensitivity *s, const lamc_fine_room *f, lamc_real until,
                                  lamc_real *rows) {
   const int n = s->run.ode.n;
-  const lamc_real enough = LAMC_S_PER_RTOL * s->run.options.rtol, shortest = LAMC_R(1e-9) * s->h_fine_run;
+  const lamc_real over_all = LAMC_S_PER_RTOL * s->run.options.rtol, shortest = LAMC_R(1e-9) * s->h_fine_run;
   for (int i = 0, missed = 0; i < FINE_TRIES; i++) {
     const int is_last = LAMC_R(1.01) * s->fine_h >= until - s->fine_t;
     const lamc_real h = is_last ? until - s->fine_t : s->fine_h;
+    const lamc_real enough = over_all * larger(h / s->h_fine_run, LAMC_R(1e-3)); /* they add up */
     const lamc_real error =
         lamc_fine_step(s, s->fine_t, h, f->y, f->sens, f->y_new, f->sens_new, f->k, f->slopes);
     const lamc_real factor = LAMC_R(0.9) * pow(larger(error, LAMC_R(1e-3) * enough) / enough, LAMC_R(-0.2));
@@ -170,6 +171,9 @@ static inline int lamc_follow_finely(lamc_sensitivity *s, lamc_real *rows) {
   const size_t bytes = (size_t)run->ode.n * (size_t)s->width * sizeof *f.sens;
   memcpy(f.y_begin, y_there(run), (size_t)run->ode.n * sizeof *f.y_begin);
   s->h_fine_run = run->h_last;
+  memcpy(s->over_step, s->beside.constants, (size_t)s->motion.model->constant_count * sizeof *s->over_step);
+  memcpy(s->held_over_step, s->held,
+         2 * (size_t)s->motion.model->held_count * (size_t)s->held_width * sizeof *s->held);
   lamc_begin_finely(s, &f);
   if (!lamc_go_finely(s, &f, run->t, rows)) return 0;
   memcpy(s->end, f.sens, bytes);
@@ -177,12 +181,30 @@ static inline int lamc_follow_finely(lamc_sensitivity *s, lamc_real *rows) {
   return 1;
 }
 
+/* What an event, a clock or a break at the end of a step has changed, and what was so over it, change places */
+static inline void lamc_swap_over_step(lamc_sensitivity *s) {
+  lamc_real *const pairs[2][2] = {{s->over_step, s->beside.constants}, {s->held_over_step, s->held}};
+  const ptrdiff_t counts[2] = {s->motion.model->constant_count,
+                               2 * (ptrdiff_t)s->motion.model->held_count * s->held_width};
+  for (int k = 0; k < 2; k++) {
+    for (ptrdiff_t i = 0; i < counts[k]; i++) {
+      const lamc_real there = pairs[k][0][i];
+      pairs[k][0][i] = pairs[k][1][i];
+      pairs[k][1][i] = there;
+    }
+  }
+  s->has_new_constants = 1;
+}
+
 /* S (n, width) within that step, at t, which is behind those that were asked for before; 0: it takes too many steps */
 static inline int lamc_finely_at(lamc_sensitivity *s, lamc_real t, lamc_real *rows, lamc_real *out) {
   const lamc_fine_room f = lamc_fine_room_of(s);
-  if (t < s->fine_t || (t > s->fine_t && !lamc_go_finely(s, &f, t, rows))) return 0;
-  memcpy(out, f.sens, (size_t)s->run.ode.n * (size_t)s->width * sizeof *out);
-  return 1;
+  if (t < s->fine_t) return 0;
+  lamc_swap_over_step(s);
+  const int is_there = t == s->fine_t || lamc_go_finely(s, &f, t, rows);
+  lamc_swap_over_step(s);
+  if (is_there) memcpy(out, f.sens, (size_t)s->run.ode.n * (size_t)s->width * sizeof *out);
+  return is_there;
 }
 
 #endif /* LAMC_FINELY_H */

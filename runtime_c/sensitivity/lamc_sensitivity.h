@@ -109,7 +109,9 @@ typedef struct lamc_sensitivity {
       *end;        /* S where the run stands, where the last step began, and at its end before an event */
   lamc_real *held; /* (held_count, held_width): derivatives of what clocks hold, of all columns */
   int held_width;
-  lamc_real *slopes; /* dS/dt at the stages */
+  lamc_real *over_step,
+      *held_over_step; /* constants, and `held`, as they were over the last step that was fine */
+  lamc_real *slopes;   /* dS/dt at the stages */
   lamc_real *scratch;
   lamc_room room;
   lamc_real *remembered; /* the run's last evaluations: see memory.h */

@@ -41,7 +41,9 @@ static inline long long lamc_lay_out(lamc_sensitivity *s, const lamc_model *mode
                              lamc_whole(lamc_fine_size(n, width)),
                              2LL * model->held_count * width,
                              lamc_memory_size(model),
-                             lamc_lay_side_by_side(model, tangents, NULL, NULL)};
+                             lamc_lay_side_by_side(model, tangents, NULL, NULL),
+                             lamc_whole(model->constant_count) + LANES,
+                             2LL * model->held_count * width};
   enum { PARTS = sizeof sizes / sizeof sizes[0] };
   long long at[PARTS + 1] = {0};
   for (int i = 0; i < PARTS; i++) at[i + 1] = at[i] + sizes[i];
@@ -62,6 +64,8 @@ static inline long long lamc_lay_out(lamc_sensitivity *s, const lamc_model *mode
     s->remembered = work + at[15];
     (void)lamc_lay_side_by_side(model, tangents, work + at[16], s->lanes);
     s->held_width = width;
+    s->over_step = work + at[17];
+    s->held_over_step = work + at[18];
   }
   return at[PARTS];
 }

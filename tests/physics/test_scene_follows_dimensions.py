@@ -1,5 +1,6 @@
 """A scene of the design changes with its dimensions: by its name, itself, or as the default."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ shapes: [{rect: [0, 0, 60, 12]}]
 hinges: [{name: fold, line: [[10, 0], [10, 12]], layer: film, gap: 1, stiffness: 1e-3, damping: 1e-6}]
 fixed: [{rect: [0, 0, 5, 12]}]
 scene: {angles: {fold: a0}}
-scenes: {twice: {angles: {fold: 2*a0}}}
+scenes: {twice: {angles: {fold: 2*a0}}, same: {angles: {fold: 20 deg}}}
 """
 
 
@@ -48,10 +49,13 @@ def scenes(design: Design) -> list[tuple[Any, float]]:
         (design.scenes["twice"], 2.0),
         (again.scenes["twice"], 2.0),  # of another reading of the file
         (lamc.Scene(angles={"fold": 0.3}), 0.0),
+        (design.scenes["same"], 0.0),  # which says as much as the default one, as it is drawn
+        (replace(design.scenes["twice"], angles={"fold": 0.3}), 0.0),  # of its places, and another
+        ("same", 0.0),
     ]
 
 
-@pytest.mark.parametrize("k", range(6))
+@pytest.mark.parametrize("k", range(9))
 def test_studies_and_derivatives_follow(flap: Design, k: int) -> None:
     """A scene that was given itself kept the numbers of the first drawing, without a word."""
     scene, slope = scenes(flap)[k]

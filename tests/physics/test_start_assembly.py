@@ -190,3 +190,18 @@ def test_a_start_that_the_drawing_does_not_move_to_is_told() -> None:
     assert note.startswith(
         "the drawn mechanism does not move to a = 6.10865 rad without a dead point on its way"
     )
+
+
+@pytest.mark.parametrize("name", ["four_bar", "five_bar", "six_bar", "sarrus", "bricard", "two_loops"])
+def test_a_position_that_is_known_is_not_told_to_be_elsewhere(name: str) -> None:
+    """Of all hinges, as an equilibrium or the end of a run has them."""
+    example = examples.find(name)
+    assert example.path is not None
+    loaded = lamc.load(example.path)
+    sim = lamc.compile(loaded, lamc.Scene(effects=()))
+    starter = starter_of(sim.mechanism)
+    moved = starter.position(
+        {starter.geometry.names[0]: 0.05 if name == "six_bar" else -0.05}
+    )  # at a dead point
+    again = lamc.compile(loaded, lamc.Scene(effects=(), angles=dict(zip(sim.joints, moved, strict=True))))
+    assert not again.notes

@@ -427,6 +427,14 @@ def test_cuts_that_are_the_outline_are_refused_where_one_is_missing(missing: flo
     assert len(made.bodies) == 3
 
 
+def test_an_outline_that_goes_on_from_a_crease_that_is_the_rim_is_open() -> None:
+    """Where the other end of what is missing is that crease's own."""
+    sides = [((10, 10), (90, 10)), ((90, 10), (90, 30)), ((10, 50), (10, 10)), ((10, 50), (50, 50))]
+    rim = [line(*side, role="border", source="path #rim") for side in sides]
+    with pytest.raises(lamc.DesignError, match="outline is open: path #rim"):
+        read(*rim, line((30, 10), (30, 50)), line((50, 10), (50, 50)))
+
+
 def test_a_line_over_the_corner_of_a_rim_that_ends_in_a_crease_is_no_open_outline() -> None:
     sides = line((0, 0), (40, 0), (40, 40), (0, 40), role="border")
     last, over = line((0, 40), (0, 0)), line((0, 0), (-4, -4), role="border")

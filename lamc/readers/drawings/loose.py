@@ -20,6 +20,7 @@ from lamc.records.drawing import STRAY, Mend, Role, Stroke
 
 # Of the size: ends of one line that are farther apart are a side that is missing, and not to be joined.
 _SLIP = 0.02
+_OVER = 0.25  # of a crease that is the rim: a longer line from its end is an outline that goes on there
 _ON = 1e-6  # of the root of an area: what is nearer to its border lies on it
 _CLOSING = "Z at the end of a path, or the closed flag of a polyline"
 _GAP = 0.5  # of the length of what dangles: an end that is nearer to another line was to meet it
@@ -77,16 +78,22 @@ def _check_closed(graph: Graph, strokes: Sequence[Stroke], gone: Sequence[int], 
     around = np.bincount(
         np.array([graph.edges[k] for k in rim], dtype=int).ravel(), minlength=len(graph.points)
     )
-    open_at: dict[
-        int, tuple[int, int]
-    ] = {}  # where a rim goes on that is open: its stroke, and where that ends
+    odd = set(np.flatnonzero(around % 2).tolist())  # where a rim goes on along a crease, or not at all
+    waiting: dict[int, tuple[int, int]] = {}  # of those where a line goes on: its stroke, and where that ends
+    is_open = False
     for piece in pieces_of(loose, _touching(graph, loose)):
-        vertices = sorted({v for k in piece for v in graph.edges[k]})
-        tips = [v for v in vertices if ends[v] == 1]
+        vertices = {v for k in piece for v in graph.edges[k]}
+        tips = [v for v in sorted(vertices) if ends[v] == 1]
         if tips:
-            open_at |= {v: (graph.strokes[piece[0]], tips[0]) for v in vertices if around[v] % 2}
-    if len(open_at) > 1:  # both ends of what is missing; one alone is a line that runs over a corner
-        owner, tip = next(iter(open_at.values()))
+            waiting |= dict.fromkeys(sorted(odd & vertices), (graph.strokes[piece[0]], tips[0]))
+            # Of one end alone: a line that runs over a corner is short beside the crease that is the rim there.
+            length = sum(math.dist(*graph.points[list(graph.edges[k])]) for k in piece)
+            others = [
+                math.dist(graph.points[v], graph.points[w]) for v in odd & vertices for w in odd - vertices
+            ]
+            is_open |= bool(odd & vertices) and length > _OVER * min(others, default=0.0)
+    if is_open or len(waiting) > 1:
+        owner, tip = next(iter(waiting.values()))
         raise DesignError(
             f"the outline is open: {name_of(strokes, owner)} ({strokes[owner].role}) ends at "
             f"{millimetres(graph.points[tip])}, and facets along it would be lost: close it "

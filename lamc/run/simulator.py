@@ -128,10 +128,12 @@ class Simulator(Running, OperatingPoints, Viewable):
             raise UnsupportedError("this simulator was made by hand; use lamc.compile(design)")
         if scene is None:
             name = own_scene(self.mechanism, self.scene)
-            if name:
-                scene = design.scenes.get(name, self.scene)
-            elif name is None:
-                scene = self.scene
+            if name and name not in design.scenes:
+                warn(
+                    f"{design.name!r} has no scene {name!r}: that of {self.mechanism.name!r} is taken as it is"
+                )
+            if name or name is None:
+                scene = design.scenes.get(name or "", self.scene)
         made = self._recipe.in_passing().simulator(design, scene)
         if made.structure != self.structure:
             what = changes(self.mechanism, made.mechanism)

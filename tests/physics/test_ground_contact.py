@@ -221,7 +221,7 @@ def test_ground_above_all_measure_is_refused_as_any_that_flings() -> None:
         ({"corners": True}, "corners is True; it must be a whole number"),
         ({"bodies": "lever"}, "bodies are 'lever'; give a list of names"),
         ({"points": [(0.0, 0.0, 0.0)]}, "give a map from names to lists, or 'drawn'"),
-        ({"points": {"lever": (0.0, 0.0, 0.0)}}, "points of 'lever' is 0.0; give a list of 3 numbers"),
+        ({"points": {"lever": (0.0, 0.0, 0.0)}}, "point of 'lever' is 0.0; give a list of 3 numbers"),
         ({"points": {"lever": []}}, "give a list of points"),
     ],
 )

@@ -93,7 +93,7 @@ def test_a_layer_that_there_is_not_is_refused_with_what_there_is(grey: Path) -> 
 def test_a_sheet_that_is_refused_tells_what_was_left_out(tmp_path: Path) -> None:
     path = tmp_path / "grey.dxf"
     grey_dxf(path)
-    with pytest.warns(DesignWarning, match="1 lines on layer 'Knick'"), pytest.raises(lamc.DesignError):
+    with pytest.warns(DesignWarning, match="1 line on layer 'Knick'"), pytest.raises(lamc.DesignError):
         lamc.load(path)
 
 

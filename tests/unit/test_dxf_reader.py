@@ -339,7 +339,7 @@ def test_a_mapping_comes_first_and_what_nobody_knows_is_told() -> None:
     space.add_line((0, 5), (10, 5))
     drawn = read(data_of(made))
     assert [s.role for s in drawn.strokes] == ["ignore", "border"]
-    assert "1 lines on layer 'Ebene 3', colour #ff7f00 (--role 'Ebene 3=cut'" in drawn.notes[0]
+    assert "1 line on layer 'Ebene 3', colour #ff7f00 (--role 'Ebene 3=cut'" in drawn.notes[0]
 
 
 @pytest.mark.parametrize(

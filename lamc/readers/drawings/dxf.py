@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from lamc.basics.brief import counted
 from lamc.basics.errors import DesignError, LamcError, Place
 from lamc.readers.drawings.colours import colour_of, family_of
 from lamc.readers.drawings.dxf_repair import bare, mended, renamed
@@ -93,11 +94,10 @@ class _Reader:
         unknown = sorted(key for key, role in roles.items() if role is None)
         for layer, colour in unknown:
             shared = any(key[0] == layer and role is not None for key, role in roles.items())
-            named = (
-                colour if shared or layer == "0" else layer[:60]
-            )  # the role of a layer is that of all its lines
+            # The role of a layer is that of all its lines.
+            named = colour if shared or layer == "0" else layer[:60]
             self.notes.append(
-                f"left out, neither layer nor colour says what for: {counts[layer, colour]} lines on layer "
+                f"left out, neither layer nor colour says what for: {counted(counts[layer, colour], 'line')} on layer "
                 f"{layer[:60]!r}, colour {colour} (--role '{named}=cut', or another role)"
             )
         for (layer, colour), role in sorted(roles.items(), key=lambda each: each[0]):

@@ -51,7 +51,8 @@ def short_enough(motion: Motion, y0: Array, t: float, size: float, steps: Steps)
     """The longest step, s, that derivatives bear, infinite where all modes are followed; and whether so many steps may
     be taken. y0: (nq + nu,), where the run begins, at t, s; size: m, of the mechanism.
 
-    An implicit method rightly passes over what fast modes would do, unless nothing moves at all: then none is followed.
+    An implicit method rightly passes over what fast modes would do, unless nothing moves at all: then none is followed;
+    else the slowest oscillation is to be.
     """
     nq = len(motion.model.coordinates)
     stand = Rest(motion, t, size).stand(np.ascontiguousarray(y0[:nq]))
@@ -71,7 +72,7 @@ def short_enough(motion: Motion, y0: Array, t: float, size: float, steps: Steps)
         fast = rates if moves < _STILL else rates[[np.argmin(np.abs(rates))]]
     if steps.longest * float(np.abs(fast).max()) <= limit:
         return math.inf, True
-    longest = _PART / float(np.abs(rates).max())
+    longest = _PART / float(np.abs(fast).max())
     return longest, steps.span <= _MOST_STEPS * longest
 
 

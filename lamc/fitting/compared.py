@@ -15,7 +15,7 @@ from lamc.run.request import Array
 
 _CORRELATED = 0.3  # of neighbouring rows, beyond which they are no noise, and intervals too narrow to believe
 # By unit: what is less may be below what a sensor tells, or its file is rounded to
-_TOLD_BY_SENSORS = {"rad": 1e-2, "rad/s": 0.1, "m": 1e-3, "m/s": 1e-2}
+_TOLD_BY_SENSORS = {"rad": 1e-3, "rad/s": 1e-2, "m": 1e-5, "m/s": 1e-3, "": 1.0}  # "": pixels
 _ROUND_OFF = 1e-12  # of a column's largest number: what varies by less stands still
 
 
@@ -92,7 +92,7 @@ def _is_dead(compared: Compared, k: int) -> bool:
     """Whether a column stands still where the model moves by more than its sensor fails to tell."""
     predicted = compared.predicted[np.isfinite(compared.measured[:, k]), k]
     moves = float(np.ptp(predicted)) if len(predicted) else 0.0
-    least = _TOLD_BY_SENSORS.get(compared.units[k], np.inf)
+    least = _TOLD_BY_SENSORS.get(compared.units[k], 0.0)
     return moves > least and "stands still" in compared.share_text(compared.columns[k])
 
 

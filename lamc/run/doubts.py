@@ -12,7 +12,7 @@ import numpy as np
 from lamc.basics.threads import on_one_thread
 from lamc.loops.linear import DENSE, Linear
 from lamc.run.methods import IMPLICIT
-from lamc.run.unresolved import Steps, short_enough, told
+from lamc.run.unresolved import Modes, Steps, told
 
 if TYPE_CHECKING:
     from lamc.records.mechanism import Array
@@ -60,8 +60,9 @@ def _too_long(result: "Result") -> float | None:
     if not {*used} & {*IMPLICIT} or not stats.accepted:
         return None
     y0, span = np.concatenate([result.q[0], result.u[0]]), float(result.t[-1] - result.t[0])
-    taken = Steps(used, span / stats.accepted, span)
-    longest, _ = short_enough(result.motion, y0, float(result.t[0]), result.mechanism.size, taken)
+    tolerance = max(stats.rtol, stats.atol)
+    modes = Modes(result.motion, y0, float(result.t[0]), result.mechanism.size, tolerance)
+    longest = modes.bear(Steps(used, span / stats.accepted, span, tolerance))
     return longest if math.isfinite(longest) else None
 
 

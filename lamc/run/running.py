@@ -4,6 +4,7 @@ In: a motion, a checked request. Out: a `Result`, with its provenance. Never: lo
 """
 
 import logging
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,12 +19,12 @@ from lamc.run.energy_balance import Kept
 from lamc.run.extended import Extended
 from lamc.run.methods import STIFFEST
 from lamc.run.model import Motion
-from lamc.run.request import Request, Trajectory
+from lamc.run.request import Request, Status, Trajectory
 from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.sensitivities import Differentiated
 from lamc.run.taping import Tape
-from lamc.run.unresolved import Steps, longest_step, short_enough, told
+from lamc.run.unresolved import Modes, Steps, is_affordable, longest_step, told
 
 logger = logging.getLogger("lamc")
 
@@ -91,27 +92,26 @@ class Running(Extended):
         """A run that leaves a tape: once more with shorter steps, or by an implicit method, where they are too long for
         derivatives of modes that do not move. What it was in the end, and what was asked for then."""
         used, trajectory = integrators.integrate(integrator, tape.motion, request)
-        longest, is_affordable = self._bearable(used, trajectory, request, tape)
-        if not is_affordable and integrator == "auto":
-            request = replace(request, tape=tape.emptied())
-            used, trajectory = integrators.integrate(STIFFEST, tape.motion, request)
-            longest, is_affordable = self._bearable(used, trajectory, request, tape)
-            integrator = STIFFEST
-        if not is_affordable:
-            warn(told(longest, used))
-        elif longest < request.max_step:
-            request = replace(request, tape=tape.emptied(), max_step=longest)
-            used, trajectory = integrators.integrate(integrator, tape.motion, request)
+        if trajectory.status != Status.REACHED_END:
+            return used, trajectory, request
+        span, tolerance = request.t_end - request.t_start, max(request.rtol, request.atol)
+        modes = Modes(tape.motion, request.y0, request.t_start, self.mechanism.size, tolerance)
+        longest = modes.bear(
+            Steps(used.split(", "), longest_step(request.t_start, trajectory.t, tape.at), span, tolerance)
+        )
+        if longest >= request.max_step:
+            return used, trajectory, request
+        tries = [(integrator, longest)]
+        if integrator == "auto":  # what is damped away at once needs no short steps of an implicit method
+            tries.append((STIFFEST, modes.bear(Steps([STIFFEST], math.inf, span, tolerance))))
+        for name, step in tries:
+            if is_affordable(step, span, request.max_steps):
+                again = replace(request, tape=tape.emptied(), max_step=min(step, request.max_step))
+                used_then, found = integrators.integrate(name, tape.motion, again)
+                if found.status in (Status.REACHED_END, Status.CANCELLED):
+                    return used_then, found, again
+        warn(told(longest, used))
         return used, trajectory, request
-
-    def _bearable(
-        self, used: str, trajectory: Trajectory, request: Request, tape: Tape
-    ) -> tuple[float, bool]:
-        """As `short_enough`, of a run that has left a tape."""
-        assert request.tape is not None
-        longest = longest_step(trajectory.t, request.tape.at)
-        taken = Steps(used.split(", "), longest, trajectory.t_reached - request.t_start)
-        return short_enough(tape.motion, request.y0, request.t_start, self.mechanism.size, taken)
 
     def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:
         """Where a result comes from, and what its pictures show besides the bodies."""

@@ -128,12 +128,14 @@ class Simulator(Running, OperatingPoints, Viewable):
             raise UnsupportedError("this simulator was made by hand; use lamc.compile(design)")
         if scene is None:
             name = own_scene(self.mechanism, self.scene)
-            if name and name not in design.scenes:
-                warn(
-                    f"{design.name!r} has no scene {name!r}: that of {self.mechanism.name!r} is taken as it is"
-                )
-            if name or name is None:
-                scene = design.scenes.get(name or "", self.scene)
+            if name is not None:
+                scene = design.scenes.get(name) if name else design.scene
+                which = f"scene {name!r}" if name else "scene of its own"
+                if scene is None:
+                    warn(
+                        f"the new drawing of {design.name!r} has no {which}: this simulator's is taken as it is"
+                    )
+            scene = scene or self.scene
         made = self._recipe.in_passing().simulator(design, scene)
         if made.structure != self.structure:
             what = changes(self.mechanism, made.mechanism)
@@ -227,7 +229,9 @@ class Simulator(Running, OperatingPoints, Viewable):
                     first time a list takes a compile of its own
         series      what inputs follow in this run, by name, in place of the scene's series; nothing is compiled for it
         taped       whether the steps are kept, for `Result.gradient`, derivatives of a measure by any number of
-                    parameters. The first time that takes a compile of its own; the motion is the same to the last bit
+                    parameters. The first time that takes a compile of its own; the motion is the same to the last bit,
+                    but where steps are too long for derivatives of modes that do not move: there it is run once more
+                    with shorter ones (`Result.stats`), or by an implicit method
         until_folded  whether the run of a sheet ends, with `Status.FOLDED`, where it has come to be folded flat, all
                     hinges at 0°, or at ±180° and beyond, to 1°; or where one of a loop is 30° beyond ±180°: nothing
                     keeps facets from passing through one another there. Asked after each step, so that long steps end

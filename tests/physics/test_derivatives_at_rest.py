@@ -6,6 +6,7 @@ from scipy.linalg import expm
 
 import lamc
 from lamc import examples
+from lamc.run.request import Status
 from tests.support.ctools import needs_cc
 from tests.support.mechanisms import chain
 
@@ -160,3 +161,50 @@ def test_a_balance_under_gravity_moves_with_its_stiffness() -> None:
     assert run.sensitivity("h0", "h0.stiffness")[-1] == pytest.approx(expected, rel=1e-5)
     taped = at_rest.run(end, taped=True, max_steps=2_000_000)
     assert taped.gradient("h0[-1]", ["h0.stiffness"])["h0.stiffness"] == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.fixture(scope="module")
+def beside() -> lamc.Simulator:
+    """A fast hinge at rest beside a slow one that moves."""
+    scene = lamc.Scene(effects=(lamc.HingeStiffness(), lamc.HingeDamping()), angles={"slow": 0.1})
+    return lamc.compile(pair(1e5), scene)
+
+
+@pytest.mark.parametrize("rows", [[1.2], [1.199, 1.2], [0.0, 0.6, 1.2], None])
+def test_steps_are_seen_whatever_rows_are_asked_for(beside: lamc.Simulator, rows: list[float] | None) -> None:
+    taped = beside.run(1.2, taped=True, t_eval=rows)
+    found = taped.gradient("fast[-1]", ["angles.fast"])["angles.fast"]
+    assert found == pytest.approx(0.8420914, abs=1e-6)
+
+
+def test_a_run_that_is_cancelled_is_not_made_again(beside: lamc.Simulator) -> None:
+    calls: list[float] = []
+
+    def stop(t: float, _: float) -> None:
+        calls.append(t)
+        raise KeyboardInterrupt
+
+    taped = beside.run(200.0, taped=True, progress=stop)
+    assert taped.status == Status.CANCELLED
+    assert len(calls) == 1
+
+
+def test_a_run_that_may_take_no_more_steps_stays_as_it_was_with_a_warning(beside: lamc.Simulator) -> None:
+    with pytest.warns(
+        lamc.DesignWarning, match=r"too long for derivatives of modes that do not move here.*max_step="
+    ):
+        taped = beside.run(1.2, taped=True, max_steps=100)
+    assert taped.success
+    assert taped.stats.accepted == 9
+
+
+def test_motion_that_comes_to_rest_is_not_made_again() -> None:
+    """Each mode has moved: the error of the state has bounded steps by it, and its derivatives have decayed too."""
+    mechanism = pair(30.0, 3.0)
+    scene = lamc.Scene(
+        effects=(lamc.HingeStiffness(), lamc.HingeDamping()), angles={"slow": 0.5, "fast": 0.3}
+    )
+    sim = lamc.compile(mechanism, scene)
+    for method in ("auto", "dop853", "radau5"):
+        plain, taped = sim.run(300.0, integrator=method), sim.run(300.0, taped=True, integrator=method)
+        assert taped.stats.accepted == plain.stats.accepted

@@ -20,7 +20,9 @@ from lamc.records.drawing import STRAY, Mend, Role, Stroke
 
 # Of the size: ends of one line that are farther apart are a side that is missing, and not to be joined.
 _SLIP = 0.02
-_OVER = 0.25  # of a crease that is the rim: a longer line from its end is an outline that goes on there
+# Of a crease that is the rim, and of the size: a longer line from its end is an outline that goes on there, not a cut,
+# which is a slit.
+_OVER, _RUN_OVER = 0.25, 0.1
 _ON = 1e-6  # of the root of an area: what is nearer to its border lies on it
 _CLOSING = "Z at the end of a path, or the closed flag of a polyline"
 _GAP = 0.5  # of the length of what dangles: an end that is nearer to another line was to meet it
@@ -91,7 +93,8 @@ def _check_closed(graph: Graph, strokes: Sequence[Stroke], gone: Sequence[int], 
             others = [
                 math.dist(graph.points[v], graph.points[w]) for v in odd & vertices for w in odd - vertices
             ]
-            is_open |= bool(odd & vertices) and length > _OVER * min(others, default=0.0)
+            longest = max(_OVER * min(others, default=0.0), _RUN_OVER * size_of(strokes))
+            is_open |= bool(odd & vertices) and has_outlines and length > longest
     if is_open or len(waiting) > 1:
         owner, tip = next(iter(waiting.values()))
         raise DesignError(

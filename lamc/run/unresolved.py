@@ -55,12 +55,13 @@ class Modes:
     """Of small motion about where a run begins, those that it does not move.
 
     rates  eigenvalues, 1/s; none where forces are not finite
+    nothing_moves  whether they are all there are
     """
 
     def __init__(self, motion: Motion, y0: Array, t: float, size: float, tolerance: float) -> None:
         """y0: (nq + nu,), at t, s; size: m, of the mechanism; tolerance: rad."""
         nq = len(motion.model.coordinates)
-        self.rates = np.zeros(0, dtype=np.complex128)
+        self.rates, self.nothing_moves = np.zeros(0, dtype=np.complex128), False
         stand = Rest(motion, t, size).stand(np.ascontiguousarray(y0[:nq]))
         if stand is None or not len(stand.push):
             return
@@ -79,6 +80,7 @@ class Modes:
             moves = np.abs(parts) * np.abs(shapes[:k]).max(axis=0) / np.abs(rates)
         still = (np.abs(rates) > 0.0) & (moves <= _SEEN * tolerance)
         self.rates = rates[still].astype(np.complex128)
+        self.nothing_moves = bool(np.all(moves[np.abs(rates) > 0.0] <= _SEEN * tolerance))
 
     @property
     def oscillations(self) -> npt.NDArray[np.complex128]:
@@ -87,7 +89,10 @@ class Modes:
         return found
 
     def bear(self, steps: Steps) -> float:
-        """The longest step, s, that derivatives bear; infinite where these were short enough."""
+        """The longest step, s, that derivatives bear; infinite where these were short enough. An implicit method
+        rightly passes over what stiff modes would do beside those that move: it is looked at where nothing does."""
+        if steps.are_implicit and not self.nothing_moves and math.isfinite(steps.longest):
+            return math.inf
         rates, limit = (self.oscillations, _UNFOLLOWED) if steps.are_implicit else (self.rates, _UNSTABLE)
         fastest = float(np.abs(rates).max(initial=0.0))
         is_followed = steps.longest * fastest <= limit or fastest * steps.span <= 1.0

@@ -118,11 +118,8 @@ def remarks(compared: tuple[Compared, ...]) -> list[str]:
                     "the model misses something, and the intervals are too narrow"
                 )
             # A column that says what is not so pulls the model off the others.
-            off = (
-                0.0
-                if dead
-                else offset(each.residuals[:, k], float(np.nanmax(np.abs(each.measured[:, k]), initial=0.0)))
-            )
+            size = float(np.nanmax(np.abs(each.measured[:, k]), initial=0.0))
+            off = 0.0 if dead else offset(each.residuals[:, k], size)
             if off:
                 found.append(
                     f"{each.name}: the model is off {column} by {shown_number(off, each.units[k], 3)} throughout: it "

@@ -283,11 +283,11 @@ def _words(names: tuple[str, ...], shares: Array, plain: Array, *, is_one_unit: 
     if len(names) == 2:
         kinds = {-1.0: "sum", 1.0: "difference"}
         kind = kinds.get(difference[1] / difference[0]) if difference is not None and is_one_unit else None
-        is_first_power = ratio is not None and abs(ratio[0]) == abs(ratio[1])
-        if ratio is not None and is_first_power and kind is not None and max(off, apart) < _ALIKE:
-            return f"{whole}: only their {_of_two(names, ratio)} or {kind}, which are alike here, as both are as large"
-        if ratio is not None and kind is not None and max(off, apart) < _ALIKE:  # as of a sum of 2 and 1
-            return f"{whole}: only their {kind}, or {_of_two(names, ratio)}: they are alike here"
+        if ratio is not None and kind is not None and max(off, apart) < _ALIKE:
+            if abs(ratio[0]) == abs(ratio[1]):
+                power = _of_two(names, ratio)
+                return f"{whole}: only their {power} or {kind}, which are alike here, as both are as large"
+            return f"{whole}: only their {kind}, or {_of_two(names, ratio)}: they are alike here"  # a sum of 2 and 1
         if kind is not None and apart < off:  # it misses the changes by less
             return f"{whole}: only their {kind}"
         if ratio is not None:

@@ -130,8 +130,8 @@ class Simulator(Running, OperatingPoints, Viewable):
             name = own_scene(self.mechanism, self.scene)
             if name is not None:
                 scene = design.scenes.get(name) if name else design.scene
-                which = f"scene {name!r}" if name else "scene of its own"
                 if scene is None:
+                    which = f"scene {name!r}" if name else "scene of its own"
                     warn(
                         f"the new drawing of {design.name!r} has no {which}: this simulator's is taken as it is"
                     )

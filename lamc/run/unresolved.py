@@ -25,6 +25,7 @@ _PART = 0.3
 _UNSTABLE, _UNFOLLOWED = 10.0, 2.0
 _SEEN = 100.0  # times the tolerance of the state: what moves so much bounds steps by its error, also once it decays
 _MOST_STEPS = 200_000  # that derivatives may ask for; some seconds
+_OF_ALLOWED = 0.9  # of the steps that a run may take: the state's error may ask for shorter ones in places
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,7 @@ class Modes:
 
 def is_affordable(longest: float, span: float, most: int) -> bool:
     """Whether a run of a span, s, may take steps of that length, of at most so many."""
-    return span <= min(_MOST_STEPS, 0.9 * most) * longest
+    return span <= min(_MOST_STEPS, _OF_ALLOWED * most) * longest
 
 
 def told(longest: float, integrator: str) -> str:

@@ -102,16 +102,16 @@ typedef struct lamc_sensitivity {
   int method;                  /* lamc_method of the last step */
   lamc_real h;                 /* s, of the last step */
   int is_fine; /* 1: the last step was too long for S, which went over it by steps of its own */
-  lamc_real fine_t, fine_h,
-      h_fine_run;        /* s: where these stand, how long the next one is, how long the run's was */
+  /* s: where these stand, how long the next one is, how long the run's was */
+  lamc_real fine_t, fine_h, h_fine_run;
   long long evaluations; /* of derivatives */
   lamc_real *here, *start,
       *end;        /* S where the run stands, where the last step began, and at its end before an event */
   lamc_real *held; /* (held_count, held_width): derivatives of what clocks hold, of all columns */
   int held_width;
-  lamc_real *over_step,
-      *held_over_step; /* constants, and `held`, as they were over the last step that was fine */
-  lamc_real *slopes;   /* dS/dt at the stages */
+  /* Constants, and `held`, as they were over the last step that was fine */
+  lamc_real *over_step, *held_over_step;
+  lamc_real *slopes; /* dS/dt at the stages */
   lamc_real *scratch;
   lamc_room room;
   lamc_real *remembered; /* the run's last evaluations: see memory.h */

@@ -50,8 +50,8 @@ static long long size_of_methods(const lamc_ode *ode, lamc_method which) {
   if (which != LAMC_AUTO) return size_for(ode, METHODS[which]);
   long long most = 0;
   for (int i = 1; i < METHOD_COUNT; i++) {
-    const long long size =
-        METHODS[i] == NULL ? 0 : size_for(ode, METHODS[i]); /* exports link what `auto` takes */
+    /* Exports link what `auto` takes, and no other */
+    const long long size = METHODS[i] == NULL ? 0 : size_for(ode, METHODS[i]);
     if (size > most) most = size;
   }
   return most;

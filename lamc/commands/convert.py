@@ -8,7 +8,7 @@ from pathlib import Path
 from lamc.basics.times import Times
 from lamc.commands.inputs import Source, load_source
 from lamc.commands.terminal import Terminal
-from lamc.export.conversions import check_place, converted, write
+from lamc.export.conversions import check_place, converted, design_beside, write
 
 
 def convert(source: Source, target: str, terminal: Terminal, *, force: bool) -> int:
@@ -21,13 +21,17 @@ def convert(source: Source, target: str, terminal: Terminal, *, force: bool) -> 
         loaded = load_source(source, times, progress)
         with times.stage("convert"):
             made = converted(loaded.record, path, read)
-            write(made, path)
+            write(made, path, force=force)
     lines = [f"file      {path}  {len(made.content) / 1000:.1f} kB"]
     lines += [f"{'lost' if k == 0 else '':<10}{what}" for k, what in enumerate(made.lost)]
     if made.again:
         read_so = "the same device" if made.same else "it, but for what is lost"
         lines.append(f"options   {made.again}: with these lamc reads {read_so}")
+    if made.design is not None:
+        read_so = "the same device" if made.same else "it, but for what is lost"
+        lines.insert(1, f"design    {design_beside(path)}  takes its shapes from it: lamc reads {read_so}")
     terminal.say("\n".join(lines))
     data = {"ok": True, "file": str(path), "bytes": len(made.content), "lost": list(made.lost)}
-    terminal.result({**data, "options": made.again, "same": made.same})
+    beside = str(design_beside(path)) if made.design is not None else None
+    terminal.result({**data, "options": made.again, "same": made.same, "design": beside})
     return 0

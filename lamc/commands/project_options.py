@@ -30,13 +30,15 @@ def convert(
     """Write what FILE holds in another format, by the suffix of NEW_FILE.
 
     .yaml (a native design, or a mechanism), .mechanism.yaml, .joints, .fold, .svg, .dxf. Tells what the new file does
-    not hold; what it cannot hold at all, such as layers in FOLD, is refused. No file is replaced.
+    not hold; what it cannot hold at all, such as layers in FOLD, is refused. Beside an SVG or DXF file of a laminate it
+    writes NEW_FILE.yaml, a design that takes its shapes from there. No file is replaced.
 
     \b
     Examples:
       lamc convert pendulum.cad pendulum.yaml
       lamc convert four_bar.yaml four_bar.mechanism.yaml
       lamc convert crane.fold crane.svg
+      lamc convert four_bar.yaml four_bar.dxf
     """
     from lamc.commands.convert import convert as work
     from lamc.commands.inputs import Source

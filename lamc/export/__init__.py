@@ -255,7 +255,7 @@ def convert(
     path, read = checked_path(target), checked_path(source)
     check_place(read, path, force=force)
     made = converted(load(read, **reading), path, read)  # type: ignore[arg-type]  # load looks at them
-    write(made, path)
+    write(made, path, force=force)
     for lost in made.lost:
         warn(f"{path.name} does not hold {lost}")
     return path

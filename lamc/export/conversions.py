@@ -16,7 +16,7 @@ from shapely.geometry import MultiPolygon
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import ExportError, UnsupportedError
-from lamc.basics.files import replacing
+from lamc.basics.files import replacing, write_text
 from lamc.design.linking import millimetres
 from lamc.design.split import split_steps
 from lamc.design.steps import SplitSteps
@@ -37,21 +37,22 @@ from lamc.report.parameters_text import parameters_line
 
 _BENDS = "which hinges are lines along which facets bend"
 _FORCE = "--force (in Python force=True)"
-_LAYERS = "`lamc export FILE --to cut` draws each layer in a file of its own"
+_LAYERS = "SVG and DXF hold those, in a drawing and a design that takes its shapes from it"
 
 
 @dataclass(frozen=True)
 class Converted:
     """content: of the file; lost: what it does not hold, in words; again: options that read it back; same: whether it
-    is the same device then."""
+    is the same device then; design: the text of a native design that takes its shapes from the file."""
 
     content: bytes
     lost: tuple[str, ...] = ()
     again: str = ""
     same: bool = True
+    design: str | None = None
 
 
-Maker: TypeAlias = Callable[[Design | Mechanism, str], Converted]  # of a record, and the stem of the file
+Maker: TypeAlias = Callable[[Design | Mechanism, str], Converted]  # of a record, and the name of the file
 
 
 def check_place(source: Path, target: Path, *, force: bool) -> None:
@@ -60,14 +61,28 @@ def check_place(source: Path, target: Path, *, force: bool) -> None:
     _maker(target)
     if target.exists() and source.exists() and os.path.samefile(source, target):
         raise ExportError(f"{str(target)!r} is the file that is read; name another")
+    _check_free(target, force=force)
+
+
+def _check_free(target: Path, *, force: bool) -> None:
     if target.is_dir():
         raise ExportError(f"{str(target)!r} is a folder; name a file in it")
     if (target.exists() or target.is_symlink()) and not force:
         raise ExportError(f"{str(target)!r} is there; name another file, or replace it with {_FORCE}")
 
 
-def write(made: Converted, path: Path) -> None:
-    """In one step. Raises LamcError where it cannot be written."""
+def design_beside(path: Path) -> Path:
+    """Of the design that takes its shapes from a drawing."""
+    return path.with_name(f"{path.name}.yaml")
+
+
+def write(made: Converted, path: Path, *, force: bool) -> None:
+    """Each file in one step. Raises ExportError where a design is in the way of the one beside a drawing, unless
+    forced, and LamcError where a file cannot be written."""
+    if made.design is not None:
+        beside = design_beside(path)
+        _check_free(beside, force=force)
+        write_text(beside, made.design)
     with replacing(path) as temporary:
         temporary.write_bytes(made.content)
 
@@ -76,7 +91,7 @@ def converted(record: Design | Mechanism, path: Path, source: Path) -> Converted
     """The content of the file. Raises ExportError for its suffix, UnsupportedError for what it cannot hold.
 
     source  the file that the record was read from"""
-    made = _maker(path)(record, path.name.partition(".")[0])
+    made = _maker(path)(record, path.name)
     if record.origin is not None and isinstance(record.origin.recipe, Document):
         said = f"parameters, whose values are written in: {parameters_line(record.parameters)}"
         made = replace(made, lost=(said, *made.lost))
@@ -98,14 +113,14 @@ def _maker(path: Path) -> Maker:
 # --- formats ------------------------------------------------------------------------------------------------------
 
 
-def _native(record: Design | Mechanism, stem: str) -> Converted:
+def _native(record: Design | Mechanism, file: str) -> Converted:
     if isinstance(record, Mechanism):
-        return _mechanism(record, stem)
+        return _mechanism(record, file)
     lost = [f"what the file was without: {note}" for note in record.notes]
     return Converted(design_text(record).encode(), tuple(lost))
 
 
-def _mechanism(record: Design | Mechanism, stem: str) -> Converted:
+def _mechanism(record: Design | Mechanism, file: str) -> Converted:
     lost = []
     if isinstance(record, Design):
         lost = ["layers and materials, and lines and gaps of hinges, for effects that bend what is drawn"]
@@ -115,7 +130,7 @@ def _mechanism(record: Design | Mechanism, stem: str) -> Converted:
     return Converted(mechanism_text(record).encode(), tuple(lost))
 
 
-def _joints(record: Design | Mechanism, stem: str) -> Converted:
+def _joints(record: Design | Mechanism, file: str) -> Converted:
     lost = []
     if isinstance(record, Design):
         steps = split_steps(record)
@@ -129,7 +144,7 @@ def _joints(record: Design | Mechanism, stem: str) -> Converted:
         made, layers, lines = record, (_card_layer(sheet.card),), {}
         if record.facet_creases:
             lost.append(_BENDS)
-    lost += _lost_of_scenes(made, angles=False) + _lost_words(made, stem)
+    lost += _lost_of_scenes(made, angles=False) + _lost_words(made, file)
     return Converted(joints_text(made, layers, lines).encode(), tuple(lost))
 
 
@@ -148,10 +163,12 @@ def _card_layer(card: Card) -> Layer:
     return Layer("card", Material("card", card.density, is_rigid=True), card.thickness, MultiPolygon())
 
 
-def _fold(record: Design | Mechanism, stem: str) -> Converted:
+def _fold(record: Design | Mechanism, file: str) -> Converted:
     from lamc.export.fold import flat_bytes
 
-    made = _sheet_only(record, "FOLD")
+    if isinstance(record, Design):
+        raise UnsupportedError(f"FOLD holds a sheet of creases, and {record.name!r} has layers; {_LAYERS}")
+    made = record
     sheet = CreasedSheet(made, "FOLD holds")
     _check_sheet(sheet, "FOLD holds a sheet of one card")
     lost = list(sheet.lost)
@@ -166,8 +183,10 @@ def _fold(record: Design | Mechanism, stem: str) -> Converted:
 def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: bool) -> Maker:
     """paged: places count from the upper left corner of a page, as in SVG."""
 
-    def maker(record: Design | Mechanism, stem: str) -> Converted:
-        made = _sheet_only(record, kind)
+    def maker(record: Design | Mechanism, file: str) -> Converted:
+        if isinstance(record, Design):
+            return _laminate(record, file, write, paged=paged)
+        made = record
         sheet = CreasedSheet(made, f"{kind} holds")
         _check_sheet(sheet, f"{kind} holds a sheet of one card")
         lines = lines_of_sheet(sheet)
@@ -179,7 +198,7 @@ def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: 
         unlike = differences(made, content, f".{kind.lower()}", options, corner)
         # An SVG's title is its name.
         lost = sheet.lost + lost_in_drawing(sheet, lines) + unlike
-        lost += _lost_scenes(made) + _lost_words(made, made.name if paged else stem)
+        lost += _lost_scenes(made) + _lost_words(made, made.name if paged else file)
         if corner.any():
             lost.append(
                 f"where it lies: its page begins at {millimetres((float(corner[0]), float(corner[1])))}"
@@ -187,6 +206,18 @@ def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: 
         return Converted(content, tuple(lost), _words(options), same=not unlike)
 
     return maker
+
+
+def _laminate(
+    design: Design, file: str, write: Callable[[list[CutLine], str], bytes], *, paged: bool
+) -> Converted:
+    from lamc.export.laminate_drawing import manifest_of, unlike
+
+    manifest = manifest_of(design, file, paged=paged)
+    content = write(list(manifest.lines), design.name)
+    lost = [f"what the file was without: {note}" for note in design.notes]
+    other = unlike(design, manifest, content, file)
+    return Converted(content, (*lost, *other), same=not other, design=manifest.text)
 
 
 def _options(sheet: CreasedSheet, corner: Array) -> SheetOptions:
@@ -237,12 +268,6 @@ FORMATS: Mapping[str, Maker] = MappingProxyType(
 # --- what is lost -------------------------------------------------------------------------------------------------
 
 
-def _sheet_only(record: Design | Mechanism, kind: str) -> Mechanism:
-    if isinstance(record, Design):
-        raise UnsupportedError(f"{kind} holds a sheet of creases, and {record.name!r} has layers; {_LAYERS}")
-    return record
-
-
 def _check_sheet(sheet: CreasedSheet, what: str) -> None:
     """Raises UnsupportedError for a mechanism that is no sheet."""
     if sheet.faults:
@@ -262,8 +287,9 @@ def _lost_scenes(mechanism: Mechanism) -> list[str]:
     return [f"its scenes ({', '.join(mechanism.scenes)})"] if mechanism.scenes else []
 
 
-def _lost_words(mechanism: Mechanism, stem: str) -> list[str]:
-    lost = [] if mechanism.name == stem else [f"its name, {mechanism.name!r}"]
+def _lost_words(mechanism: Mechanism, file: str) -> list[str]:
+    """file: whose name, without its suffix, is the device's."""
+    lost = [] if mechanism.name == file.partition(".")[0] else [f"its name, {mechanism.name!r}"]
     return lost + (["its story"] if mechanism.story else []) + _lost_points(mechanism)
 
 

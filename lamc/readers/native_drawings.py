@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from shapely.affinity import translate
 from shapely.geometry import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
@@ -33,6 +34,7 @@ _ANGLES_ARE_NOT_READ = (
     "the drawing says at which angles its creases rest, by layer or opacity, which is not read here: rest_angle says "
     "where a hinge of a design does"
 )
+_ZERO = (0.0, 0.0)
 _Key = tuple[Any, ...]
 
 
@@ -51,7 +53,7 @@ class Drawings:
         from lamc.readers.drawings.layer_shape import shape_of  # few designs need it
 
         found: MultiPolygon = self._once(shape_of, "border", entry, place, mends)
-        return found
+        return found if entry.at == _ZERO else translate(found, *entry.at)
 
     def lines(self, entry: DrawnModel, place: Place, mends: list[Mend], *, rests: bool) -> tuple[Line, ...]:
         """As `region`, of hinge lines. rests: whether the design says at which angle."""
@@ -59,8 +61,9 @@ class Drawings:
         from lamc.readers.drawings.telling import millimetres
 
         found: tuple[Line, ...] = self._once(lines_of, "hinge", entry, place, mends)
+        laid = tuple((_laid(start, entry), _laid(end, entry)) for start, end in found)
         if (place, rests) in self._told:
-            return found
+            return laid
         self._told.add((place, rests))
         drawing = self._drawing(entry, "hinge", place)
         row = in_a_row(found, tolerance_of(drawing, entry.heal))
@@ -73,7 +76,7 @@ class Drawings:
             )
         if not rests and says_angles(drawing, entry.layer):
             warn(f"{entry.file}: {_ANGLES_ARE_NOT_READ}", place)
-        return found
+        return laid
 
     def lengthened(
         self,
@@ -99,7 +102,7 @@ class Drawings:
         if key not in self._found:
             self._found[key] = self._taken(take, role, entry, place)
         found, mended = self._found[key]
-        mends += mended
+        mends += [replace(mend, at=_laid(mend.at, entry)) for mend in mended]
         return found
 
     def _taken(self, take: Any, role: Role, entry: DrawnModel, place: Place) -> tuple[Any, Sequence[Mend]]:
@@ -153,6 +156,11 @@ class Drawings:
                 raise DesignError("it is no drawing; lamc takes shapes from SVG and DXF")
             self._read[key] = drawing
         return self._read[key]
+
+
+def _laid(point: tuple[float, float], entry: DrawnModel) -> tuple[float, float]:
+    """A place of the drawing, m, in the design."""
+    return point[0] + entry.at[0], point[1] + entry.at[1]
 
 
 def _key(entry: DrawnModel, roles: Mapping[str, Role]) -> _Key:

@@ -36,8 +36,13 @@ def write_design(design: Design, path: Path | str) -> None:
 
 
 def design_text(design: Design) -> str:
-    """The design as the text of a file. Raises DesignError for names that a file cannot hold, and for a scene that it
-    cannot."""
+    """The design as the text of a file. Raises as `design_data` does."""
+    return dump(design_data(design))
+
+
+def design_data(design: Design) -> dict[str, Any]:
+    """The design as plain data, in the order of a file. Raises DesignError for names that a file cannot hold, and for a
+    scene that it cannot."""
     names = [layer.name for layer in design.layers]
     wrong = next((name for k, name in enumerate(names) if name == ALL_LAYERS or name in names[:k]), None)
     if wrong is not None:
@@ -60,7 +65,7 @@ def design_text(design: Design) -> str:
         data["contact_points"] = [list(point) for point in design.contact_points]
     if design.facet_creases is not None:
         data["facet_creases"] = _facet_creases(design.facet_creases)
-    return dump(data | scenes_data(design.scene, design.scenes))
+    return data | scenes_data(design.scene, design.scenes)
 
 
 def _materials(layers: Sequence[Layer]) -> dict[str, Material]:

@@ -83,6 +83,10 @@ class DrawnModel(StrictModel):
     heal: Gap | None = Field(
         None, description="how far ends of lines may be off and are mended; 0 mends nothing"
     )
+    at: Point = Field(
+        (0.0, 0.0),
+        description="where the drawing's zero lies in the design; an SVG's is its upper left corner",
+    )
 
 
 class OutlineModel(StrictModel):

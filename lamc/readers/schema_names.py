@@ -39,7 +39,10 @@ _PARTS: Mapping[str, tuple[str, str]] = {
         "{polygon: [[0, 0], [1, 0], [0, 1]], holes: [[[0.2, 0.2], [0.3, 0.2], [0.2, 0.3]]]}",
     ),
     "circle": ("CircleModel", "{center: [0, 0], radius: 5 mm}"),
-    "drawn": ("DrawnModel", "{file: top.dxf, layer: body, units: mm, roles: {red: cut}, heal: 50 um}"),
+    "drawn": (
+        "DrawnModel",
+        "{file: top.dxf, layer: body, units: mm, roles: {red: cut}, heal: 50 um, at: [5, 0]}",
+    ),
     "hinge": (
         "HingeModel",
         "{name: knee, line: [[0, 0], [0, 20 mm]], gap: 0.4 mm, stiffness: 0.5 N*mm/rad, damping: 1e-6,\n"

@@ -337,18 +337,106 @@ def test_scenes_story_and_names_are_told_where_they_are_lost(tmp_path: Path) -> 
     assert "layers and materials, and where hinge lines end" in result.stdout
 
 
-@pytest.mark.parametrize("suffix", [".fold", ".svg", ".dxf"])
-def test_layers_are_refused_by_formats_of_one_sheet(tmp_path: Path, suffix: str) -> None:
+@pytest.mark.parametrize("suffix", [".svg", ".dxf"])
+@pytest.mark.parametrize("name", DESIGNS)
+@pytest.mark.quick("five_bar-.dxf", "folding_box-.svg", "pendulum-.svg")
+def test_laminates_come_back_from_a_drawing_and_the_design_beside_it(
+    tmp_path: Path, name: str, suffix: str
+) -> None:
+    path = examples.find(name).path
+    assert path is not None
+    drawn = mechanism_in(path)
+    if drawn.design is None:
+        pytest.skip("bodies without layers")
+    result = call(path, tmp_path / f"{name}{suffix}")
+    assert result.exit_code == 0
+    assert f"{name}{suffix}.yaml  takes its shapes from it: lamc reads the same device" in result.stdout
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # roles, units and healing are said: nothing is guessed
+        found = lamc.load(tmp_path / f"{name}{suffix}.yaml")
+    assert isinstance(found, Design)
+    assert [name for name, _ in found.beside] == [f"{name}{suffix}"]
+    made = lamc.split(found)
+    assert_same(made, drawn)
+    assert made.scene == drawn.scene
+    assert dict(made.scenes) == dict(drawn.scenes)
+
+
+def test_a_laminate_drawn_anew_is_another_device(tmp_path: Path) -> None:
+    """What is read is the drawing, and not a copy of the design's own numbers."""
     source = examples.find("flaps").path
     assert source is not None
-    result = call(source, tmp_path / f"a{suffix}")
+    quiet_convert(source, tmp_path / "flaps.svg")
+    drawing = (tmp_path / "flaps.svg").read_text(encoding="utf-8")
+    twice = drawing.replace("<g ", '<g transform="scale(2)" ')
+    (tmp_path / "flaps.svg").write_text(twice, encoding="utf-8")
+    text = (tmp_path / "flaps.svg.yaml").read_text(encoding="utf-8")
+    at = next(line for line in text.splitlines() if "at: " in line)
+    (tmp_path / "flaps.svg.yaml").write_text(text.replace(at, "      at: [0, 0]"), encoding="utf-8")
+    drawn, made = mechanism_in(source), mechanism_in(tmp_path / "flaps.svg.yaml")
+    masses, others = ([body.mass for body in each.bodies] for each in (drawn, made))
+    assert others == pytest.approx(
+        [4.0 * mass for mass in masses], rel=1e-2
+    )  # the gaps are as wide as before
+
+
+def test_hinge_lines_keep_their_order_names_and_ends(tmp_path: Path) -> None:
+    """A drawing is read from the lower left; lines in another order have layers of their own."""
+    text = LAMINATE.replace("LINES", "[[[30, 0], [30, 9]], [[20, 9], [20, 0]], [[10, 0], [10, 9]]]")
+    for name, named in (("bare", ""), ("named", "name: fold, ")):
+        (tmp_path / f"{name}.yaml").write_text(text.replace("NAME", named), encoding="utf-8")
+        drawn = mechanism_in(tmp_path / f"{name}.yaml")
+        for suffix in (".dxf", ".svg"):
+            assert call(tmp_path / f"{name}.yaml", tmp_path / f"{name}{suffix}").exit_code == 0
+            assert_same(mechanism_in(tmp_path / f"{name}{suffix}.yaml"), drawn)
+
+
+LAMINATE = """
+name: odd
+units: mm
+materials: {card: {density: 700, rigid: true}, film: {density: 1390, flexible: true}}
+layers:
+  - {name: "dimension: 3/4 <\u00fc>", material: card, thickness: 0.3}
+  - {name: hinge, material: film, thickness: 0.1}
+  - {name: text, material: card, thickness: 0.3}
+shapes:
+  - {rect: [0, 0, 40, 9]}
+  - {cut: {circle: {center: [5, 4], radius: 2}}, layers: [text]}
+  - {cut: {polygon: [[33, 1], [38, 1], [38, 8], [33, 8]]}, layers: [text, hinge]}
+  - {rect: [34, 3, 37, 6], layers: [text, hinge]}
+hinges: [{NAMElines: LINES, layer: hinge, gap: 0.4, stiffness: 1e-3}]
+fixed: [{rect: [0, 0, 5, 9], layers: [hinge]}]
+"""
+
+
+def test_what_a_drawing_is_read_without_is_told(tmp_path: Path) -> None:
+    """Two hinges on one line are one stroke where they lie in one layer of a drawing."""
+    text = LAMINATE.replace("NAME", "").replace("LINES", "[[[10, 0], [10, 9]], [[10, 0], [10, 9]]]")
+    (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
+    result = call(tmp_path / "a.yaml", tmp_path / "a.dxf")
+    assert "lamc reads it, but for what is lost" in result.stdout
+    assert "hinge lines: 2 were drawn, and 1 are read" in result.stdout
+    (tmp_path / "a.dxf").unlink()
+    (tmp_path / "a.dxf.yaml").write_text("precious", encoding="utf-8")
+    result = call(tmp_path / "a.yaml", tmp_path / "a.dxf")
     assert result.exit_code == 2
-    assert "holds a sheet of creases, and 'flaps' has layers; `lamc export FILE --to cut`" in result.stderr
+    assert "a.dxf.yaml' is there; name another file, or replace it with --force" in result.stderr
+    assert not (tmp_path / "a.dxf").exists()
+    assert (tmp_path / "a.dxf.yaml").read_text(encoding="utf-8") == "precious"
+
+
+def test_layers_are_refused_by_formats_of_one_sheet(tmp_path: Path) -> None:
+    source = examples.find("flaps").path
+    assert source is not None
+    result = call(source, tmp_path / "a.fold")
+    assert result.exit_code == 2
+    assert "FOLD holds a sheet of creases, and 'flaps' has layers; SVG and DXF hold those" in result.stderr
     assert list(tmp_path.iterdir()) == []
     flaps = lamc.split(quiet(source))
     bare = Mechanism(flaps.bodies, flaps.joints, "bare")
-    with pytest.raises(UnsupportedError, match=r"a sheet of one card; 'bare' has layers of several heights"):
-        converted(bare, Path(f"a{suffix}"), Path("a.yaml"))
+    for suffix in (".fold", ".svg", ".dxf"):
+        with pytest.raises(UnsupportedError, match=r"a sheet of one card; 'bare' has layers of several"):
+            converted(bare, Path(f"a{suffix}"), Path("a.yaml"))
 
 
 def test_no_file_is_written_over_unless_forced(tmp_path: Path) -> None:

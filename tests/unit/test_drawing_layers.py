@@ -221,6 +221,27 @@ def test_hinge_lines_that_stop_short_of_the_material_are_drawn_on_to_its_edge(tm
     assert plain.mends == ()
 
 
+def test_a_drawing_lies_where_the_design_says(tmp_path: Path) -> None:
+    """`at`, by a parameter too: shapes, hinge lines and mends go with it; what is told is the drawing's own place."""
+    body = BODY.replace("M0 0 L40 0", "M0.03 0 L40 0")
+    text = SMALL.replace("layer: body}", "layer: body, heal: 50 um, at: [dx, -3]}")
+    text = text.replace("layer: joint}", "layer: joint, at: [dx, -3]}").replace(
+        "[0, 0, 5, 20]", "[7, -3, 12, 17]"
+    )
+    made, told = small(tmp_path, body, text=f"{text}parameters: {{dx: 7 mm}}\n")
+    plain, _ = small(tmp_path, BODY)
+    for dx, moved in ((7e-3, made), (9e-3, made.with_parameters({"dx": 9e-3}))):
+        low_x, low_y, high_x, high_y = moved.layers[0].geometry.bounds
+        expected = (dx, -3e-3, dx + 40e-3, 17e-3)
+        np.testing.assert_allclose((low_x, low_y, high_x, high_y), expected, rtol=0.0, atol=1e-15)
+        lines = [each.line for each in moved.hinges[0].lines]
+        drawn = np.array([each.line for each in plain.hinges[0].lines]) + np.array([dx, -3e-3])
+        np.testing.assert_allclose(lines, drawn, rtol=0.0, atol=1e-15)  # m: round-off of a sum
+        assert [mend.at for mend in moved.mends] == [pytest.approx((dx, -3e-3))]
+    assert any("healed: gap in an outline: 1, by up to 0.03 mm: (0, 0) mm" in each for each in told)
+    assert lamc.split(made).bodies[0].fixed
+
+
 def test_mends_are_kept_told_and_drawn(tmp_path: Path) -> None:
     body = BODY.replace("M0 0 L40 0", "M0.03 0 L40 0")
     with pytest.raises(

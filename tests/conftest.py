@@ -92,7 +92,7 @@ def pytest_configure(config: pytest.Config) -> None:
 @pytest.hookimpl(tryfirst=True)  # before pytest chooses by marks
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """`quick` and `ci` name parameters of a test, by patterns of their ids: those that `make test` runs, and those that
-    `.ci/run` runs. Others are slow, or campaigns, which are slow too."""
+    `.ci/run` runs. Others are slow, or campaigns, which are slow too; those of `quick` as its `others` says."""
     unmet: dict[tuple[str, str], set[str]] = {}  # patterns that no parameter has met, by test and mark
     for item in items:
         for name, otherwise in (("quick", "slow"), ("ci", "campaign")):
@@ -102,7 +102,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             met = {pattern for pattern in mark.args if fnmatchcase(item.callspec.id, pattern)}
             unmet.setdefault((item.nodeid.partition("[")[0], name), set(mark.args)).difference_update(met)
             if not met:
-                item.add_marker(otherwise)
+                item.add_marker(mark.kwargs.get("others", otherwise))
         if item.get_closest_marker("campaign") is not None:
             item.add_marker("slow")
     if not any("::" in argument for argument in config.args):  # all parameters were collected

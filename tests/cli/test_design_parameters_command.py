@@ -42,7 +42,7 @@ def call(*words: str) -> Result:
     ],
     ids=lambda words: words[0],
 )
-@pytest.mark.quick("split", "run", "export", "check", "convert")
+@pytest.mark.quick("split", "run", "export", "check", "convert", others="campaign")
 def test_every_verb_that_reads_a_design_sets_its_parameters(words: tuple[str, ...]) -> None:
     verb, *more = words
     done = call(verb, "d.yaml", *more, "--set", "length=56 mm", "--set", "tilt=0.4")

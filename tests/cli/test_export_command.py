@@ -221,7 +221,7 @@ def test_it_ends_with_what_acts_and_what_comes_next(tmp_path: Path) -> None:
         (("strip", "--size", "5 mm"), "cd here && cc -O2 -std=c99 example_main.c strip.c -lm"),
     ],
 )
-@pytest.mark.quick("words0*", "words1*", "words3*", "words4*")
+@pytest.mark.quick("words0*", "words1*", "words3*", "words4*", others="campaign")
 def test_each_target_tells_its_next_step(words: tuple[str, ...], reported: str) -> None:
     result = call("--example", *words, "--out", "here")
     assert result.exit_code == 0, result.stderr

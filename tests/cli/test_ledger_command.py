@@ -125,7 +125,7 @@ def interrupted_after(reported: str, *words: str) -> tuple[int, str, str]:
         return process.returncode, out, "".join(lines) + rest
 
 
-@pytest.mark.slow
+@pytest.mark.campaign  # within Python: test_interrupted_ledger_has_what_was_measured
 def test_ctrl_c_keeps_what_is_measured(design: str) -> None:
     """The first line with a share of the work comes after 2 s: settings are measured by then, and minutes are left."""
     words = ("--t-end", "500", "--budget", "10 min")

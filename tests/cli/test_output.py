@@ -15,7 +15,7 @@ FULL = Path("/dev/full")  # takes nothing, as a disk without room
 
 @pytest.mark.skipif(not FULL.exists(), reason="no device that is always full")
 @pytest.mark.parametrize("arguments", [["schema"], ["--help"], ["examples", "pendulum", "--json"]])
-@pytest.mark.quick("arguments0")
+@pytest.mark.quick("arguments0", others="campaign")
 def test_a_full_disk_under_stdout_is_no_bug_of_lamc(arguments: list[str]) -> None:
     with FULL.open("w") as full:
         done = subprocess.run(

@@ -60,7 +60,7 @@ SHEET = (
     ],
     ids=lambda words: words[0],
 )
-@pytest.mark.quick("split", "run", "export", "check")
+@pytest.mark.quick("split", "run", "export", "check", others="campaign")
 def test_each_verb_takes_a_drawing_and_what_is_said_of_it(
     folder: Path, words: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -34,7 +34,7 @@ def test_all_tutorials_are_there_and_on_the_site() -> None:
 
 @needs_cc
 @pytest.mark.parametrize("path", TUTORIALS, ids=lambda path: path.stem)
-@pytest.mark.quick("gripper", "plate", "leg")
+@pytest.mark.quick("gripper", "plate", "leg", others="campaign")
 def test_a_tutorial_runs_from_first_to_last(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -70,8 +70,7 @@ int main() {
 @needs("g++")
 @pytest.mark.parametrize("integrator", ["auto", "rodas5p"])
 @pytest.mark.parametrize("name", [*KINDS, "stiff_triple", "folding_box"])
-@pytest.mark.quick("pendulum-auto")
-@pytest.mark.ci("pendulum-*", "four_bar-*")
+@pytest.mark.quick("pendulum-auto", others="campaign")
 def test_no_step_takes_more(name: str, integrator: str, tmp_path: Path) -> None:
     options = lamc.ExportOptions(real_time=True, integrator=integrator, prefix="model", jacobian=False)
     source = c_source(simulator_of(mechanism_of(name), scene_of(name), options), options)

@@ -29,10 +29,7 @@ SCENES = (
 
 
 @pytest.mark.parametrize(("name", "t_end"), SCENES)
-@pytest.mark.quick("pendulum-*", "limit_stop-*")
-@pytest.mark.ci(
-    "pendulum-*", "stiff_triple-*", "four_bar-*", "vertex-*", "two_loops-*", "limit_stop-*", "crawler-*"
-)
+@pytest.mark.quick("pendulum-*", "limit_stop-*", others="campaign")
 def test_states_are_those_of_python_to_the_last_bit(name: str, t_end: float, tmp_path: Path) -> None:
     mechanism = mechanism_of(name)
     times = np.linspace(0.0, t_end, 38)[1:]
@@ -67,7 +64,7 @@ def test_events_are_those_of_python(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("integrator", ["rk45", "dop853", "rodas5p", "radau5"])
 @pytest.mark.parametrize("name", ["pendulum", "four_bar"])
-@pytest.mark.quick("pendulum-rk45", "four_bar-radau5")
+@pytest.mark.quick("pendulum-rk45", "four_bar-radau5", others="campaign")
 def test_each_method_alone_takes_the_steps_of_python(name: str, integrator: str, tmp_path: Path) -> None:
     mechanism = mechanism_of(name)
     times = np.linspace(0.0, 0.3, 11)[1:]

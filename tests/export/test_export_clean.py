@@ -50,7 +50,7 @@ BLOCKS = {"memcpy", "memset", "memmove"}
 
 @needs("nm", "size")
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.quick("pendulum", "limit_stop")
+@pytest.mark.quick("pendulum", "limit_stop", others="campaign")
 def test_nothing_is_allocated_nothing_is_writable_and_only_the_api_is_seen(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
     # Code at a fixed address: elsewhere tables of names are filled in by the loader, and then made read-only.
@@ -177,8 +177,7 @@ int main(void) {
 
 
 @pytest.mark.parametrize("name", [*KINDS, "folding_box"])
-@pytest.mark.quick("limit_stop")
-@pytest.mark.ci("limit_stop", "crawler")
+@pytest.mark.quick("limit_stop", others="campaign")
 def test_every_function_runs_clean_under_the_address_and_undefined_behaviour_sanitizers(
     name: str, tmp_path: Path
 ) -> None:

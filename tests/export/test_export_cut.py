@@ -160,7 +160,7 @@ def test_drawings_of_layers_lie_over_one_another() -> None:
 
 
 @pytest.mark.parametrize("name", DESIGNS)
-@pytest.mark.quick("pendulum", "four_bar", "folding_box", "yoshimura")
+@pytest.mark.quick("pendulum", "four_bar", "folding_box", "yoshimura", others="campaign")
 def test_what_is_left_is_the_simulated_device(name: str) -> None:
     design = example(name)
     plan = plan_of(design)

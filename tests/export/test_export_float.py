@@ -51,7 +51,7 @@ def states(model: Exported, h: float, count: int) -> tuple[Any, np.ndarray[Any, 
 
 
 @pytest.mark.parametrize("name", MODELS)
-@pytest.mark.quick("pendulum", "stiff_triple")
+@pytest.mark.quick("pendulum", "stiff_triple", others="campaign")
 def test_no_double_is_in_the_text(name: str) -> None:
     files = exported(name, real_time=True, precision="float")
     for file in (f"{name}.h", f"{name}.c"):
@@ -64,8 +64,7 @@ def test_no_double_is_in_the_text(name: str) -> None:
 @needs_cc
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", MODELS)
-@pytest.mark.quick("pendulum-*")
-@pytest.mark.ci("pendulum-*", "limit_stop-*")
+@pytest.mark.quick("pendulum-*", others="campaign")
 def test_no_compiler_makes_a_double_of_a_float(name: str, compiler: list[str], tmp_path: Path) -> None:
     folder = put(exported(name, real_time=True, precision="float"), tmp_path)
     flags = ("-std=c99", *STRICT, "-Wdouble-promotion", "-O2", "-c", f"{name}.c", "-o", "it.o")
@@ -85,7 +84,7 @@ def test_it_is_cxx_too(tmp_path: Path) -> None:
     [("pendulum", 2.0**-10, 2000), ("four_bar", 2.0**-10, 2000), ("stiff_triple", 2.0**-15, 2000),
      ("limit_stop", 2.0**-13, 2000), ("crawler", 2.0**-15, 100)],
 )  # fmt: skip
-@pytest.mark.quick("pendulum-*", "limit_stop-*")
+@pytest.mark.quick("pendulum-*", "limit_stop-*", others="campaign")
 def test_motion_differs_from_that_of_doubles_by_round_off(
     name: str, h: float, count: int, tmp_path: Path
 ) -> None:

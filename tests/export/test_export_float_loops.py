@@ -98,8 +98,7 @@ def growth(pair: Pair, count: int) -> float:
 
 
 @pytest.mark.parametrize("name", LOOPS)
-@pytest.mark.quick("four_bar")
-@pytest.mark.ci("four_bar", "two_loops", "bricard", "vertex")
+@pytest.mark.quick("four_bar", others="campaign")
 def test_motion_differs_from_that_of_doubles_by_round_off(name: str, pairs: Any) -> None:
     """A second of the scene, whose loops stay away from singular positions."""
     pair = pairs(name)
@@ -184,8 +183,7 @@ def started(model: Exported, count: int, state: Array) -> tuple[int, Any]:
 
 
 @pytest.mark.parametrize("name", [*LOOPS[:-1], "miura:3x3", "folding_box"])
-@pytest.mark.quick("four_bar")
-@pytest.mark.ci("four_bar", "two_loops", "bricard", "sarrus", "vertex", "waterbomb")
+@pytest.mark.quick("four_bar", others="campaign")
 def test_from_any_state_it_moves_as_doubles_do_or_says_why_not(name: str, pairs: Any) -> None:
     """Random states. Where an equation of the loops has next to no say, single precision cannot tell it from a
     redundant one, and which way the mechanism moves is left to forces: nothing more is asked there than numbers and

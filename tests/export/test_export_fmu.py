@@ -70,7 +70,7 @@ class TestEveryKind:
         _, file, _ = made(name, fmi)
         assert validate_fmu(str(file)) == []  # schema, names, units, starts, structure
 
-    @pytest.mark.quick("pendulum-*", "limit_stop-3")
+    @pytest.mark.quick("pendulum-*", "limit_stop-3", others="campaign")
     def test_its_page_tells_every_variable_and_what_its_flags_say(self, made, name, fmi):
         _, _, folder = made(name, fmi)
         page = html.unescape((folder / "documentation" / "index.html").read_text(encoding="utf-8"))

@@ -172,7 +172,7 @@ def test_a_thousand_instances_under_sanitizers(sources, fmi, tmp_path):
 
 @pytest.mark.parametrize("fmi", VERSIONS)
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "g++"])
-@pytest.mark.quick("*-3")
+@pytest.mark.quick("*-3", others="campaign")
 def test_sources_compile_without_a_warning(sources, fmi, compiler, tmp_path):
     if shutil.which(compiler) is None:
         pytest.skip(f"needs {compiler}")

@@ -67,7 +67,7 @@ def test_a_torque_in_steps_turns_a_wheel_by_parabolas(opened, fmi):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-@pytest.mark.quick("3")
+@pytest.mark.quick("3", others="campaign")
 def test_a_held_input_is_the_parameter_of_a_run(opened, fmi):
     """Named inputs in an expression and torques on hinges, given before initialisation, to the last bit."""
     mechanism = chain(2, "space", seed=4)

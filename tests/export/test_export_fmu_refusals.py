@@ -71,7 +71,7 @@ class TestRefusals:
         untouched.free()
 
     @pytest.mark.parametrize("value", [float("nan"), float("inf"), -float("inf")])
-    @pytest.mark.quick("*-3")
+    @pytest.mark.quick("*-3", others="campaign")
     def test_numbers_that_are_none(self, fmu, fmi, value):
         name = next(n for n in fmu.by_name if n.endswith(".stiffness"))
         with fmu.refusing(name, "finite"):
@@ -172,7 +172,7 @@ def test_the_binary_of_another_description_is_refused(made, fmi):
 
 
 @pytest.mark.parametrize("fmi", VERSIONS)
-@pytest.mark.quick("3")
+@pytest.mark.quick("3", others="campaign")
 def test_a_start_that_closes_no_loop_is_refused(fmi, tmp_path):
     examples = Path(lamc.__file__).parent / "examples"
     simulator = lamc.compile(lamc.load(examples / "five_bar.yaml"))

@@ -62,7 +62,7 @@ def exported(folder: Path, made: Mechanism) -> tuple[Path, lamc.Result]:
 
 
 @pytest.mark.parametrize("make", SHEETS, ids=EXPORTED)
-@pytest.mark.quick("miura", "net", "cut")
+@pytest.mark.quick("miura", "net", "cut", others="campaign")
 def test_what_is_read_back_is_the_same_device(tmp_path: Path, make: Callable[[], corpus.Data]) -> None:
     made = load(corpus.write(tmp_path / "sheet.fold", make()))
     file, _ = exported(tmp_path, made)

@@ -35,7 +35,7 @@ def told(made: Mechanism) -> tuple[object, ...]:
 
 @pytest.mark.parametrize("own", [True, False], ids=["own", "plain"])
 @pytest.mark.parametrize("make", SHEETS, ids=NAMES)
-@pytest.mark.quick("waterbomb-plain", "miura-own", "yoshimura-own")
+@pytest.mark.quick("waterbomb-plain", "miura-own", "yoshimura-own", others="campaign")
 def test_noise_in_a_folded_frame_is_noise_in_its_mechanism(
     tmp_path: Path, make: Callable[[], corpus.Data], own: bool
 ) -> None:

@@ -64,7 +64,7 @@ def test_what_the_model_does_not_call_is_not_there() -> None:
 
 
 @pytest.mark.parametrize("name", ["pendulum", "four_bar", "limit_stop"])
-@pytest.mark.quick("limit_stop")
+@pytest.mark.quick("limit_stop", others="campaign")
 def test_the_motion_is_that_with_a_library_to_the_tolerance(name: str, tmp_path: Path) -> None:
     """A first step comes of pow, whose last digits differ, and with it all steps; nothing else does."""
     t_end = DURATION[name]
@@ -79,7 +79,7 @@ def test_the_motion_is_that_with_a_library_to_the_tolerance(name: str, tmp_path:
 
 
 @pytest.mark.parametrize("name", ["pendulum", "limit_stop", "stiff_triple"])
-@pytest.mark.quick("pendulum")
+@pytest.mark.quick("pendulum", others="campaign")
 def test_trees_of_hinges_have_the_bits_of_those_with_a_library_where_the_first_step_is_given(
     name: str, tmp_path: Path
 ) -> None:

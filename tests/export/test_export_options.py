@@ -89,8 +89,7 @@ def test_every_option_is_tried() -> None:
 
 
 @pytest.mark.parametrize("target", BUILT)
-@pytest.mark.quick("mjcf", "urdf", "cut")
-@pytest.mark.ci("mjcf", "urdf", "cut", "c", "fmu")
+@pytest.mark.quick("mjcf", "urdf", "cut", others="campaign")
 def test_an_option_that_changes_no_byte_is_refused(target: str) -> None:
     plain = made(target, frozenset())
     assert plain is not None

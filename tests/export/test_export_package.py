@@ -55,7 +55,7 @@ def rows_of(text: str) -> tuple[list[str], bytes]:
 
 
 @pytest.mark.parametrize("name", [*KINDS, pytest.param("stiff_triple", marks=pytest.mark.slow)])
-@pytest.mark.quick("pendulum", "four_bar")
+@pytest.mark.quick("pendulum", "four_bar", others="campaign")
 def test_the_example_prints_the_table_of_lamc_run_to_the_last_bit(name: str, tmp_path: Path) -> None:
     """With a compiler's defaults: nothing but -std=c99, which stops gcc from fusing products and sums. Numbers are
     printed as Python prints them, so that the text is the same."""
@@ -67,7 +67,7 @@ def test_the_example_prints_the_table_of_lamc_run_to_the_last_bit(name: str, tmp
 
 
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.quick("pendulum", "limit_stop")
+@pytest.mark.quick("pendulum", "limit_stop", others="campaign")
 def test_the_example_of_fixed_steps_runs_to_its_end(name: str, tmp_path: Path) -> None:
     """The step that it begins with is stable, and where nothing strikes it is accurate, too: a step of 1 ms, short
     against periods of some 0.1 s and more, leaves RK4 an error of (0.001/0.1)^4 = 1e-8 of angles of about 1 rad."""
@@ -135,14 +135,7 @@ def test_it_builds_without_a_warning_and_prints_the_same_bytes(
 @pytest.mark.parametrize("options", [{"real_time": True}, {"integrator": "rk45"}, {"integrator": "radau5"}])
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.quick("pendulum-*-options1", "four_bar-gcc-options0")
-@pytest.mark.ci(
-    "pendulum-*-options1",
-    "four_bar-gcc-options0",
-    "four_bar-*-options2",
-    "crawler-gcc-options1",
-    "limit_stop-*",
-)
+@pytest.mark.quick("pendulum-*-options1", "four_bar-gcc-options0", others="campaign")
 def test_what_is_left_out_leaves_no_warning(
     name: str, compiler: Sequence[str], options: dict[str, object], tmp_path: Path
 ) -> None:
@@ -172,7 +165,7 @@ def test_the_example_refuses_words_that_it_does_not_know(tmp_path: Path) -> None
 
 @needs("g++")
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.quick("pendulum")
+@pytest.mark.quick("pendulum", others="campaign")
 def test_it_is_valid_cxx_too(name: str, tmp_path: Path) -> None:
     folder = put(exported(name), tmp_path)
     cc(folder, "-x", "c++", "-std=c++17", "-c", *STRICT, f"{name}.c", "-o", "c.o", command=["g++"])
@@ -232,7 +225,7 @@ def test_two_models_live_in_one_cxx_program(single: bool, tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("compiler", compilers())
-@pytest.mark.quick("gcc")
+@pytest.mark.quick("gcc", others="campaign")
 def test_the_single_header_is_all_there_is(compiler: Sequence[str], tmp_path: Path) -> None:
     files = exported("pendulum", single_header=True)
     assert {name for name in files if name.endswith((".c", ".h"))} == {
@@ -261,7 +254,7 @@ def test_the_single_header_is_all_there_is(compiler: Sequence[str], tmp_path: Pa
         {"libm": False, "single_header": True},
     ],
 )
-@pytest.mark.quick("options0")
+@pytest.mark.quick("options0", others="campaign")
 def test_the_commands_of_its_readme_build_it(options: dict[str, object], tmp_path: Path) -> None:
     """And the first lines of code that it shows, in a program of two lines more."""
     files = exported("pendulum", **options)

@@ -56,8 +56,7 @@ def moved(folder: Path, which: str, step: str = "step(&it, 0.2)") -> str:
 
 @pytest.mark.parametrize("precision", ["double", "float"])
 @pytest.mark.parametrize("name", ["four_bar", "flaps"])
-@pytest.mark.quick("flaps-float")
-@pytest.mark.ci("four_bar-double", "flaps-float")
+@pytest.mark.quick("flaps-float", others="campaign")
 def test_the_c_of_one_design_runs_another(name: str, precision: str, tmp_path: Path) -> None:
     options = ExportOptions(precision=precision, real_time=precision == "float")
     step = "step_fixed(&it, 0.001F)" if options.real_time else "step(&it, 0.2)"

@@ -42,7 +42,7 @@ def load(tmp_path_factory: pytest.TempPathFactory) -> Load:
 
 
 @pytest.mark.parametrize("name", ["square", "coupled", "squares"])
-@pytest.mark.quick("square")
+@pytest.mark.quick("square", others="campaign")
 def test_the_matrix_has_the_bits_of_the_compiler_own(load: Load, name: str) -> None:
     """From the same sections: where every unknown is free or held, cells are summed in the same order."""
     made = system(problem(name))
@@ -173,8 +173,7 @@ def test_one_cell_is_that_of_quadrature(load: Load, name: str, element: str) -> 
 
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("name", sorted(MAKERS))
-@pytest.mark.quick("coupled-gcc")
-@pytest.mark.ci("*-gcc", "warm-clang", "squares-clang")
+@pytest.mark.quick("coupled-gcc", others="campaign")
 def test_it_builds_without_a_warning_and_prints_the_same(
     name: str, compiler: list[str], tmp_path: Path
 ) -> None:
@@ -221,7 +220,7 @@ def test_nothing_is_allocated_and_nothing_is_writable(name: str, tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", ["coupled", "oblique", "squares", "warm"])
-@pytest.mark.quick("coupled")
+@pytest.mark.quick("coupled", others="campaign")
 def test_it_runs_clean_under_the_sanitizers(name: str, tmp_path: Path) -> None:
     flags = ("-std=c99", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     if not sanitizer_works(tmp_path, *flags):

@@ -251,7 +251,7 @@ def test_the_refusal_tells_the_place_in_the_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["thermal", "bimorph"])
-@pytest.mark.quick("bimorph")
+@pytest.mark.quick("bimorph", others="campaign")
 def test_examples_that_expand_move_as_lamc_says(load: Load, name: str) -> None:
     """A corner of each, within the digits that the condition leaves."""
     from lamc.examples import plates

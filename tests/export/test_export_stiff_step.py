@@ -81,7 +81,7 @@ def test_stops_and_contact_are_met(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "count"), [("pendulum", 200), ("four_bar", 200), ("stiff_triple", 200), ("crawler", 50)]
 )
-@pytest.mark.quick("pendulum-*")
+@pytest.mark.quick("pendulum-*", others="campaign")
 def test_single_precision_follows_double_within_its_round_off(name: str, count: int, tmp_path: Path) -> None:
     """A step rounds the state by half a unit; of loops, which it closes, by as much as the condition of their
     Jacobian makes of the last digit of closure (19 in the four-bar). Its change is a sum that cancels: weights of
@@ -96,7 +96,7 @@ def test_single_precision_follows_double_within_its_round_off(name: str, count: 
 
 @pytest.mark.parametrize("compiler", compilers())
 @pytest.mark.parametrize("options", [{"precision": "float"}, {"libm": False}, {"real_time": False}])
-@pytest.mark.quick("options0-*")
+@pytest.mark.quick("options0-*", others="campaign")
 def test_it_compiles_without_a_warning(
     options: dict[str, object], compiler: list[str], tmp_path: Path
 ) -> None:

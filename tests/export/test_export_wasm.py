@@ -86,7 +86,7 @@ def motion_here(name: str, times: Array, folder: Path) -> Array:
 
 
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.quick("pendulum")
+@pytest.mark.quick("pendulum", others="campaign")
 def test_it_imports_nothing(name: str) -> None:
     found = list(sections(in_wasm(name)[f"{name}.wasm"]))
     assert 2 not in found  # imports
@@ -105,7 +105,7 @@ def test_the_same_design_gives_the_same_bytes() -> None:
 
 @needs("node")
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.quick("pendulum")
+@pytest.mark.quick("pendulum", others="campaign")
 def test_the_motion_has_the_bits_of_the_native_one(name: str, tmp_path: Path) -> None:
     """Both have IEEE 754 arithmetic, no contraction and lamc's own functions: there is nothing to differ in."""
     times = np.linspace(0.0, DURATION[name], 21)[1:]

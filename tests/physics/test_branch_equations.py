@@ -92,8 +92,7 @@ def passes(monkeypatch: pytest.MonkeyPatch) -> list[bool]:
 
 
 @pytest.mark.parametrize("name", SHEETS)
-@pytest.mark.quick("map of 3 x 2")
-@pytest.mark.ci("map*")
+@pytest.mark.quick("map of 3 x 2", others="campaign")
 def test_equations_on_a_branch_are_those_derived_for_it(
     name: str, tmp_path: Path, passes: list[bool]
 ) -> None:

@@ -50,7 +50,7 @@ def test_another_basis_gives_the_same_branch(
         assert rates == pytest.approx(found[0][1], abs=1e-6)
 
 
-@pytest.mark.quick("4")
+@pytest.mark.quick("4", others="campaign")
 @pytest.mark.parametrize("side", [4, 7])
 def test_all_branches_are_the_same_in_another_basis(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, side: int

@@ -71,7 +71,7 @@ def drawn_four_bar(version: str, fmt: str) -> tuple[str, bytes]:
     return text, dxf_corpus.data_of(made, fmt)
 
 
-@pytest.mark.quick("R12-asc", "R2018-bin")
+@pytest.mark.quick("R12-asc", "R2018-bin", others="campaign")
 @pytest.mark.parametrize("form", FORMS)
 def test_a_laminate_from_dxf_is_the_one_drawn_in_yaml(tmp_path: Path, form: str) -> None:
     version, fmt = form.split("-")

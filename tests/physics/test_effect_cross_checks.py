@@ -53,7 +53,7 @@ def test_every_effect_is_said_by_an_independent_cross_check(name: str) -> None:
 
 
 @pytest.mark.parametrize("base", ["free_base", "base_motion"])
-@pytest.mark.quick("free_base")
+@pytest.mark.quick("free_base", others="campaign")
 def test_all_effects_together_are_said_alike(base: str) -> None:
     """The bender joins a body that bends, and the ground is touched by one on a hinge that yields."""
     without = {"free_base", "base_motion", "hinge_stiffness"} - {base}
@@ -110,6 +110,7 @@ OTHERWISE: Mapping[str, tuple[Effect, Mapping[str, Any]]] = {
     "stiffness of stops",
     "voltage of a bender",
     "retardation of a strip",
+    others="campaign",
 )
 def test_a_number_that_is_another_is_noticed(case: str) -> None:
     effect, changes = OTHERWISE[case]

@@ -40,10 +40,9 @@ def example(name: str) -> Simulator:
     return lamc.compile(mechanism, mechanism.scene or lamc.Scene())
 
 
-@pytest.mark.quick("dop853-two_loops", "auto-four_bar")
+@pytest.mark.quick("dop853-two_loops", "auto-four_bar", others="campaign")
 @pytest.mark.parametrize("name", SMALL)
 @pytest.mark.parametrize("integrator", ["rk45", "dop853", "auto"])
-@pytest.mark.ci("dop853-*", "auto-*", "rk45-bricard", "rk45-four_bar")
 def test_instances_of_an_example_are_runs_by_themselves(name: str, integrator: str) -> None:
     sim = example(name)
     parameters = spread(sim, 11, 3)
@@ -151,7 +150,7 @@ def test_loops_on_a_base_that_floats_are_runs_by_themselves() -> None:
     assert_alike(sim, many, parameters, **how)
 
 
-@pytest.mark.quick("impacts-cubic", "free-cubic")
+@pytest.mark.quick("impacts-cubic", "free-cubic", others="campaign")
 @pytest.mark.parametrize("hold", ["previous", "cubic"])
 @pytest.mark.parametrize("effects", [(), (lamc.JointLimits(restitution=0.7),)], ids=["free", "impacts"])
 def test_loops_that_a_series_drives_are_runs_by_themselves(hold: str, effects: tuple[Any, ...]) -> None:

@@ -30,7 +30,7 @@ def defined_before_use(equations: Equations) -> None:
 
 @needs_cc
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda m: m.name)
-@pytest.mark.quick("chain2")
+@pytest.mark.quick("chain2", others="campaign")
 def test_assignments_in_order_give_the_accelerations(mechanism: Mechanism) -> None:
     scene = Scene(effects=(*ALL_PASSIVE, Torque({"h0": "0.2*sin(3*t) - 0.1*rate*abs(rate) + max(angle, 0)"})))
     sim = lamc.compile(mechanism, scene)
@@ -49,7 +49,7 @@ def test_assignments_in_order_give_the_accelerations(mechanism: Mechanism) -> No
 
 @needs_cc
 @pytest.mark.parametrize("mechanism", MECHANISMS, ids=lambda m: m.name)
-@pytest.mark.quick("chain2")
+@pytest.mark.quick("chain2", others="campaign")
 def test_mass_matrix_and_forces_solve_to_the_accelerations(mechanism: Mechanism) -> None:
     sim = lamc.compile(mechanism, Scene(effects=ALL_PASSIVE))
     equations, n = sim.equations, len(sim.joints)

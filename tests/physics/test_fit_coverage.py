@@ -39,7 +39,7 @@ def fits(repeats: int) -> tuple[np.ndarray, list[int]]:
 
 
 @pytest.mark.parametrize(("repeats", "least"), [(4, 0.75), (20, 0.85)])
-@pytest.mark.quick("4-*")
+@pytest.mark.quick("4-*", others="campaign")
 def test_intervals_of_a_few_fits(repeats: int, least: float) -> None:
     held, counts = fits(repeats)
     # Each interval is beyond in one case of 20: of 40 more than ten in one of 100 000; of 200 ten, with a deviation of

@@ -25,7 +25,7 @@ def four_bar(*added: Effect, moduli: str = "GPa") -> Simulator:
 
 
 @pytest.mark.parametrize("bodies", [("arm",), ("arm", "link")])
-@pytest.mark.quick("bodies0")
+@pytest.mark.quick("bodies0", others="campaign")
 def test_a_plane_loop_asks_of_each_bending_link_not_to_twist(bodies: tuple[str, ...]) -> None:
     """Two equations hold a plane loop in its plane, one tells an angle by the others, and there is one more for each
     link that could twist its axes out of parallel.

@@ -91,7 +91,7 @@ def test_a_miura_from_fold_moves_as_one_from_yaml(tmp_path: Path, *, faces: bool
     assert_same_motion(hand, fold)
 
 
-@pytest.mark.quick("box_net")
+@pytest.mark.quick("box_net", others="campaign")
 @pytest.mark.parametrize("make", [lambda: corpus.miura(4, 4), corpus.waterbomb, corpus.box_net])
 def test_flat_sheets_fold_the_way_that_their_creases_are_marked(tmp_path: Path, make: object) -> None:
     sheet = load(tmp_path / "sheet.fold", make())  # type: ignore[operator]

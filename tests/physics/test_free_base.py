@@ -342,7 +342,7 @@ def test_second_cross_check_knows_floating_bases() -> None:
 
 @needs_cc
 @pytest.mark.parametrize("family", ["tree", "planar"])
-@pytest.mark.quick("tree")
+@pytest.mark.quick("tree", others="campaign")
 def test_check_compares_the_cross_checks_where_the_base_floats(family: str) -> None:
     mechanism = chain(3) if family == "tree" else closed_mechanism(family, 0).mechanism
     effects = (Gravity(), HingeStiffness(), FreeBase(spin=(1.0, 0.5, -0.3)))

@@ -54,7 +54,7 @@ def tossed(ground: GroundContact) -> Simulator:
         ("radau5", 1e-4, 1e-6),
     ],
 )
-@pytest.mark.quick("radau5-*")
+@pytest.mark.quick("radau5-*", others="campaign")
 def test_a_tossed_plate_rests_for_100_s_without_drift(integrator: str, rtol: float, rises: float) -> None:
     """It rattles on its eight corners for half a second, with a hundred touches, and then lies; rest costs nothing."""
     sim = tossed(GroundContact())

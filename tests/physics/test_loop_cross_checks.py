@@ -230,7 +230,7 @@ def test_a_place_where_axes_run_against_each_other_is_not_closed() -> None:
 
 
 @pytest.mark.parametrize("name", ["vertex4_flatfoldable", "sarrus", "nfourbar2"])
-@pytest.mark.quick("nfourbar2")
+@pytest.mark.quick("nfourbar2", others="campaign")
 def test_check_of_loops_compares_all_cross_checks(cases: dict[str, Any], name: str) -> None:
     report = check(compiled(cases[name]), states=4, t_end=0.05)
     assert report.passed, report.table()

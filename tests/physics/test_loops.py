@@ -123,7 +123,7 @@ def test_origami_swings_through_its_flat_state_at_any_tolerance(
 @pytest.mark.parametrize("rtol", [1e-6, 1e-8, 1e-10])
 @pytest.mark.parametrize("down", [-9.81, 9.81])
 @pytest.mark.parametrize("name", ["vertex4_flatfoldable", "miura22", "miura33"])
-@pytest.mark.quick("vertex4_flatfoldable-*-1e-08", "miura22-*", "miura33-9.81-1e-08")
+@pytest.mark.quick("vertex4_flatfoldable-*-1e-08", "miura22-*", "miura33-9.81-1e-08", others="campaign")
 def test_gravity_drives_origami_through_its_flat_state(
     cases: dict[str, Any], name: str, down: float, rtol: float
 ) -> None:

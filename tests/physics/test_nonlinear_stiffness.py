@@ -159,7 +159,7 @@ def with_rests(mechanism: Mechanism) -> Mechanism:
 
 @needs_cc
 @pytest.mark.parametrize("kind", ["space", "laminate"])
-@pytest.mark.quick("laminate")
+@pytest.mark.quick("laminate", others="campaign")
 def test_every_law_agrees_with_the_independent_cross_checks(kind: str) -> None:
     mechanism = with_rests(chain(5, kind, seed=4))
     scene = Scene(effects=(lamc.Gravity(), HingeStiffness(), RestAngle(), NonlinearStiffness(LAWS)))

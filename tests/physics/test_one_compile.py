@@ -189,7 +189,7 @@ def of_sheet(count: int, theta: float, gamma: float = 1.0) -> Mechanism:
 
 
 @pytest.mark.parametrize("count", [3, 4, 5])
-@pytest.mark.quick("4")
+@pytest.mark.quick("4", others="campaign")
 def test_sheets_of_one_plan_have_one_program(count: int) -> None:
     """Loops of many hinges are eliminated by a plan that follows from numbers; where it is the same, so is the
     program, and symmetry leaves many numbers that are equal but for round-off."""
@@ -200,7 +200,7 @@ def test_sheets_of_one_plan_have_one_program(count: int) -> None:
 
 
 @pytest.mark.parametrize("count", [3, 4, 5, 6])
-@pytest.mark.quick("4")
+@pytest.mark.quick("4", others="campaign")
 def test_fold_angles_of_a_sheet_have_few_programs(count: int) -> None:
     """Of 12, flat to folded, where no number is one: two or three, whatever the size."""
     effects = (Gravity(),)
@@ -226,7 +226,7 @@ def test_another_fold_angle_runs_by_the_same_code(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("theta", "gamma"), [(0.41, 1.05), (0.7, 1.0), (1.3, 1.0), (1.44, 1.05)])
 @pytest.mark.parametrize("count", [3, 4, 5])
-@pytest.mark.quick("3-0.41-1.05", "4-1.3-1.0")
+@pytest.mark.quick("3-0.41-1.05", "4-1.3-1.0", others="campaign")
 def test_sheets_of_other_angles_have_the_program_of_their_survey(
     count: int, theta: float, gamma: float
 ) -> None:

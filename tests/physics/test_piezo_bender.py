@@ -186,7 +186,7 @@ def test_work_of_the_drive_is_all_that_changes_the_energy() -> None:
 
 @needs_cc
 @pytest.mark.parametrize("seed", range(4))
-@pytest.mark.quick("0")
+@pytest.mark.quick("0", others="campaign")
 def test_its_forces_are_the_gradient_of_its_energy_between_moving_bodies(seed: int) -> None:
     """Between two links in space: M (u̇ with - u̇ without) = -∂W/∂q, W from the bodies' poses alone."""
     mechanism = chain(3, "space", seed=seed)

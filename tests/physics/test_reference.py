@@ -51,7 +51,7 @@ def test_newton_euler_agrees_with_maximal_coordinates_on_random_trees(
 
 
 @pytest.mark.parametrize(("kind", "n"), [("mixed", 3), ("space", 1)])
-@pytest.mark.quick("space-1")
+@pytest.mark.quick("space-1", others="campaign")
 def test_newton_euler_agrees_with_kanes_method(kind: str, n: int) -> None:
     mechanism = random_tree(n, seed=n, kind=kind)
     effects = (*ALL_PASSIVE, FORMULA) if n > 1 else ALL_PASSIVE
@@ -160,9 +160,11 @@ def test_unit_plates_of_the_paper_fold_as_published() -> None:
     ("case", "last"), [("double_pendulum", 3.0), ("mass_ratio", 2.0), ("triple_stiff_e2", 0.1)]
 )
 @pytest.mark.quick(
-    "double_pendulum-*-MaximalCoordinates", "mass_ratio-*-MaximalCoordinates", "triple_stiff_e2-*-NewtonEuler"
+    "double_pendulum-*-MaximalCoordinates",
+    "mass_ratio-*-MaximalCoordinates",
+    "triple_stiff_e2-*-NewtonEuler",
+    others="campaign",
 )
-@pytest.mark.ci("double_pendulum-*-MaximalCoordinates", "mass_ratio-*", "triple_stiff_e2-*-NewtonEuler")
 def test_reference_cases(shared: Path, case: str, last: float, cross_check: Any) -> None:
     cases = {c["id"]: c for c in json.loads((shared / "reference" / "dynamics.json").read_text())["cases"]}
     mechanism, scene = from_reference(cases[case]["spec"])

@@ -78,7 +78,7 @@ def period(amplitude: float) -> float:
 # ---- physics ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.quick("rk45", "scipy:LSODA", "scipy:DOP853", "scipy:RK45")
+@pytest.mark.quick("rk45", "scipy:LSODA", "scipy:DOP853", "scipy:RK45", others="campaign")
 @pytest.mark.parametrize("integrator", ["auto", "rk45", "scipy:DOP853", "scipy:RK45", "scipy:LSODA"])
 def test_rod_returns_after_its_period(sim: Simulator, integrator: str) -> None:
     T = period(2.0)

@@ -166,7 +166,7 @@ def test_through_touch_downs_on_a_floating_base() -> None:
 
 
 @pytest.mark.parametrize("integrator", ["radau5", "rodas5p"])
-@pytest.mark.quick("rodas5p")
+@pytest.mark.quick("rodas5p", others="campaign")
 def test_stiff_hinges(integrator: str) -> None:
     check(example("stiff_triple"), ["thigh.mass", "gravity.y"], 0.1, integrator=integrator, close=1e-7)
 
@@ -375,13 +375,7 @@ DEVICES: dict[str, Callable[[], lamc.Design | Mechanism]] = {
 }
 
 
-@pytest.mark.quick("samples-dop853-")
-@pytest.mark.ci(
-    "samples-*-",
-    "impacts-dop853-",
-    "a series-dop853- -DLAMC_ONE_LANE",
-    "a series-radau5- -mavx",
-)
+@pytest.mark.quick("samples-dop853-", others="campaign")
 @pytest.mark.parametrize("flags", ["", " -mavx", " -DLAMC_ONE_LANE"])
 @pytest.mark.parametrize("integrator", ["dop853", "radau5"])
 @pytest.mark.parametrize("name", sorted(DEVICES))

@@ -345,7 +345,7 @@ def test_c_looks_up_what_numpy_does(rows: int, even: bool) -> None:
 
 
 @pytest.mark.parametrize("hold", ["previous", "linear", "cubic"])
-@pytest.mark.quick("linear")
+@pytest.mark.quick("linear", others="campaign")
 def test_all_cross_checks_follow_a_series(hold: str) -> None:
     sim = driven(Series(TIMES, VALUES, hold), Gravity((0.0, 0.0, -G)), text="2*command*cos(angle)")
     assert check(sim, states=5, t_end=1.0).passed
@@ -428,7 +428,7 @@ def test_what_takes_numbers_for_inputs_refuses_a_series() -> None:
 
 
 @pytest.mark.parametrize("hold", ["previous", "cubic"])
-@pytest.mark.quick("cubic")
+@pytest.mark.quick("cubic", others="campaign")
 def test_loops_follow_a_series(hold: str) -> None:
     made = closed_mechanism("planar", 3)
     mechanism = made.mechanism

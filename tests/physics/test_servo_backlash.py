@@ -94,7 +94,7 @@ def test_the_gear_starts_where_the_joint_does() -> None:
 
 
 @pytest.mark.parametrize("where", ["chain", "loop", "afloat"])
-@pytest.mark.quick("loop")
+@pytest.mark.quick("loop", others="campaign")
 def test_play_agrees_with_the_independent_cross_checks_and_keeps_the_books(where: str) -> None:
     small = {
         "gear_inertia": 1e-7,

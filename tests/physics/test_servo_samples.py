@@ -134,7 +134,7 @@ def test_two_clocks_tick_by_themselves() -> None:
 
 @pytest.mark.parametrize("period", [None, PERIOD, 0.03])
 @pytest.mark.parametrize("hold", ["previous", "linear"])
-@pytest.mark.quick("linear-None", "previous-0.0*", "linear-0.0*")
+@pytest.mark.quick("linear-None", "previous-0.0*", "linear-0.0*", others="campaign")
 def test_its_command_follows_a_series(hold: str, period: float | None) -> None:
     """Steps and kinks of a table at some of the samples: those of a step have its new value."""
     t, values = 0.06 * np.arange(8), np.array([0.1, -0.4, 0.5, 0.2, 0.9, -0.3, 0.0, 0.4])

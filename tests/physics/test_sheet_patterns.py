@@ -98,7 +98,7 @@ def test_sheets_come_to_rest_where_all_springs_are_at_ease(name: str) -> None:
         assert result.angle(joint.name)[-1] == pytest.approx(joint.rest_angle, abs=1e-5)
 
 
-@pytest.mark.quick("5")
+@pytest.mark.quick("5", others="campaign")
 @pytest.mark.filterwarnings("ignore::lamc.DesignWarning")
 @pytest.mark.parametrize("rings", [3, 5, 9])
 def test_a_ring_around_many_vertices_is_no_loop_though_it_is_as_short(rings: int, tmp_path: Path) -> None:
@@ -112,8 +112,7 @@ def test_a_ring_around_many_vertices_is_no_loop_though_it_is_as_short(rings: int
 @needs_cc
 @pytest.mark.filterwarnings("ignore::lamc.DesignWarning")
 @pytest.mark.parametrize("rings", [4, 7, 12])
-@pytest.mark.quick("4")
-@pytest.mark.ci("4", "7")
+@pytest.mark.quick("4", others="campaign")
 def test_a_pleated_square_of_triangles_folds_in_one_way(rings: int, tmp_path: Path) -> None:
     """Three hinges for each vertex and one more. The rotations at each vertex, by scipy, come to none."""
     mechanism = lamc.load(write(tmp_path / "hypar.fold", hypar(rings)))

@@ -26,7 +26,7 @@ def sheet(folder: Path, data: fold_corpus.Data) -> Mechanism:
     return made
 
 
-@pytest.mark.quick("3-5", "3-1")
+@pytest.mark.quick("3-5", "3-1", others="campaign")
 @pytest.mark.parametrize(
     ("side", "every"), [(3, 1), (3, 5), (5, 1), (7, 4), (7, 1)]
 )  # of few joints and many, of few free rates and many
@@ -48,8 +48,7 @@ def test_flaps_add_their_freedoms_and_nothing_else(tmp_path: Path, side: int, ev
         assert np.abs(branch.row(geometry.names)[inner]).max() == pytest.approx(1.0)
 
 
-@pytest.mark.quick("3-12")
-@pytest.mark.ci("3-*", "7-1")
+@pytest.mark.quick("3-12", others="campaign")
 @pytest.mark.parametrize(("side", "every"), [(3, 12), (3, 1), (7, 7), (7, 1)])
 def test_a_rounded_sheet_with_flaps_folds_as_the_exact_one_does(
     tmp_path: Path, side: int, every: int

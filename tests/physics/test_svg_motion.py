@@ -25,7 +25,7 @@ def pattern() -> fold_corpus.Data:
 
 
 @pytest.mark.parametrize("way", svg_corpus.WAYS)
-@pytest.mark.quick("groups", "classes")
+@pytest.mark.quick("groups", "classes", others="campaign")
 def test_a_miura_from_svg_moves_as_one_from_fold_and_yaml(tmp_path: Path, way: str) -> None:
     (tmp_path / "miura.yaml").write_text(json.dumps(by_hand()))
     hand = lamc.load(tmp_path / "miura.yaml")

@@ -146,8 +146,7 @@ SANITIZED = ("bfs", "dkt", "lst", "q8")
 
 
 @pytest.mark.parametrize("name", SANITIZED)
-@pytest.mark.quick("dkt")
-@pytest.mark.ci("bfs", "dkt", "lst")
+@pytest.mark.quick("dkt", others="campaign")
 def test_generated_c_runs_clean_under_sanitizers(name: str, tmp_path: Path) -> None:
     if not sanitizer_works(tmp_path, *FLAGS):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")
@@ -159,7 +158,7 @@ def test_generated_c_runs_clean_under_sanitizers(name: str, tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("name", sorted(ELEMENTS))
-@pytest.mark.quick("cst", "dkt", "lst", "q4", "specht")
+@pytest.mark.quick("cst", "dkt", "lst", "q4", "specht", others="campaign")
 def test_generated_c_pleases_a_strict_compiler(name: str, tmp_path: Path) -> None:
     tree = sources(name, tmp_path)
     objects_of(tree, tmp_path, *STRICT)

@@ -114,8 +114,7 @@ def difference(found: np.ndarray, expected: np.ndarray, scale: np.ndarray | None
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.quick("bciz", "dkt", "cst", "lst", "dkt+cst", "q4", "q8", "q9")
-@pytest.mark.ci("[!b]*", "bciz*", "bfs", "bfs+q4")
+@pytest.mark.quick("bciz", "dkt", "cst", "lst", "dkt+cst", "q4", "q8", "q9", others="campaign")
 def test_three_cross_checks_agree_on_every_matrix(name: str) -> None:
     compiled, interpreted, reference = cross_checks(name)
     for function, ask in answers(name, cells(name)).items():
@@ -125,7 +124,7 @@ def test_three_cross_checks_agree_on_every_matrix(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", TRIANGLES + RECTANGLES)
-@pytest.mark.quick("bciz", "dkt", "specht", "cst", "lst", "dkt+cst", "bfs")
+@pytest.mark.quick("bciz", "dkt", "specht", "cst", "lst", "dkt+cst", "bfs", others="campaign")
 def test_exact_integration_agrees_with_quadrature(name: str) -> None:
     """On affine cells the C has integrals in closed form, the third cross-check Gauss's rule of a degree that is
     exact."""
@@ -137,7 +136,7 @@ def test_exact_integration_agrees_with_quadrature(name: str) -> None:
 
 @pytest.mark.parametrize("name", TRIANGLES)
 @pytest.mark.parametrize("aspect", [30.0, 1000.0])
-@pytest.mark.quick("*-bciz", "*-dkt", "*-cst", "*-dkt+cst")
+@pytest.mark.quick("*-bciz", "*-dkt", "*-cst", "*-dkt+cst", others="campaign")
 def test_three_cross_checks_agree_on_slivers(name: str, aspect: float) -> None:
     """Both start from differences of coordinates, which are exact for near numbers: no digits go to the aspect.
 

@@ -173,8 +173,7 @@ outputs: [{at: [0, 0]}]
 
 @pytest.mark.parametrize("size", [10e-3, 5e-3, 2.5e-3])
 @pytest.mark.parametrize(("kind", "exact"), [("simply_supported", DISK), ("clamped", P * R**4 / (64.0 * D))])
-@pytest.mark.quick("*-0.01", "*-0.005")
-@pytest.mark.ci("*-0.01", "*-0.005", "clamped-*-0.0025")
+@pytest.mark.quick("*-0.01", "*-0.005", others="campaign")
 def test_a_circle_of_a_file_gets_better_with_its_mesh_and_the_estimate_knows(
     kind: str, exact: float, size: float
 ) -> None:

@@ -50,7 +50,7 @@ def relative(found: Any, expected: Any) -> float:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("backend", ["c", "interpreted"])
 @pytest.mark.parametrize("scale", [1e-4, 0.1, 10.0])  # thin, thick, and far thicker than long
-@pytest.mark.quick("*-dkmt")
+@pytest.mark.quick("*-dkmt", others="campaign")
 def test_c_and_program_agree_with_numeric_quadrature(name: str, backend: Any, scale: float) -> None:
     own, reference = plate.kernels(name, backend), ReferenceShearElement(name)
     assert own.element.dofs == reference.dofs

@@ -31,7 +31,7 @@ NAMES = [pytest.param(name, marks=pytest.mark.slow if name in LARGE else ()) for
 
 
 @pytest.mark.parametrize("name", ALL)
-@pytest.mark.quick("bciz", "dkt", "cst", "lst", "q4", "q8", "dkt+cst", "bfs")
+@pytest.mark.quick("bciz", "dkt", "cst", "lst", "q4", "q8", "dkt+cst", "bfs", others="campaign")
 def test_matrices_and_vectors_agree_with_numeric_quadrature(name: str) -> None:
     """ReferenceElement states elements by nodal conditions and integrates numerically, without sympy."""
     own, reference = staged(name), ReferenceElement(name)

@@ -188,8 +188,7 @@ def test_what_a_design_fixes_is_followed(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("seed", range(20))
-@pytest.mark.quick("[0-5]")
-@pytest.mark.ci("[0-9]")
+@pytest.mark.quick("[0-5]", others="campaign")
 def test_a_band_cuts_lines_where_shapes_of_it_would(seed: int) -> None:
     rng = np.random.default_rng(seed)
     segments, line, near = rng.uniform(0.0, 1.0, (6, 2, 2)), LineString(rng.uniform(0.0, 1.0, (4, 2))), 0.05

@@ -198,7 +198,7 @@ def materials_of(steps: SplitSteps) -> dict[str, plate.Material]:
 
 
 @pytest.mark.parametrize("name", drawn_examples())
-@pytest.mark.quick("pendulum", "four_bar", "folding_box", "yoshimura")
+@pytest.mark.quick("pendulum", "four_bar", "folding_box", "yoshimura", others="campaign")
 def test_plates_of_an_example_weigh_what_its_bodies_weigh(name: str) -> None:
     """Mass and centre by regions and laminates are those that splitting found from the polygons of each layer."""
     steps = steps_of(name)
@@ -221,7 +221,7 @@ def test_plates_of_an_example_weigh_what_its_bodies_weigh(name: str) -> None:
 
 @pytest.mark.parametrize("name", drawn_examples())
 @pytest.mark.parametrize("hinges", ["lines", "strips"])
-@pytest.mark.quick("*-flaps", "*-four_bar", "*-pendulum", "*-vertex", "*-folding_box")
+@pytest.mark.quick("*-flaps", "*-four_bar", "*-pendulum", "*-vertex", "*-folding_box", others="campaign")
 def test_every_hinge_of_an_example_is_an_edge_of_its_plates(name: str, hinges: str) -> None:
     steps = steps_of(name)
     materials = materials_of(steps)

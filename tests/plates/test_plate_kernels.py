@@ -53,7 +53,7 @@ def inputs(made: ElementKernels, count: int, seed: int = 2) -> Mapping[str, tupl
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.quick("bciz", "bfs", "dkt", "q4", "specht", "dkt+cst")
+@pytest.mark.quick("bciz", "bfs", "dkt", "q4", "specht", "dkt+cst", others="campaign")
 def test_c_gives_the_bits_of_the_interpreted_program(name: str) -> None:
     """Both take the same operations in the same order; -ffp-contract=off. In long double too."""
     compiled, interpreted = kernels(name), kernels(name, "interpreted")

@@ -46,7 +46,7 @@ def case(shared: Path, name: str) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(("name", "support"), [("freq_cccc", CLAMPED), ("freq_ssss", SIMPLE)])
-@pytest.mark.quick("freq_ssss*")
+@pytest.mark.quick("freq_ssss*", others="campaign")
 def test_square_vibrates_as_published(shared: Path, name: str, support: Any) -> None:
     entry = case(shared, name)
     count = len(entry["expected"])
@@ -108,7 +108,7 @@ def test_anisotropic_plate_vibrates_as_ritz_says() -> None:
 
 
 @pytest.mark.parametrize(("element", "order"), [("dkt", 2), ("specht", 2), ("bfs", 4)])
-@pytest.mark.quick("dkt-*", "specht-*")
+@pytest.mark.quick("dkt-*", "specht-*", others="campaign")
 def test_frequencies_converge_with_the_order_of_the_element(element: str, order: int) -> None:
     pattern = "squares" if element == "bfs" else "criss-cross"
     sizes = (3, 6) if element == "bfs" else (8, 16)

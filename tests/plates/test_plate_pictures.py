@@ -72,7 +72,7 @@ def coloured(path: Path, x: float, y: float) -> tuple[int, int, int]:
 
 
 @pytest.mark.parametrize("pattern", ["one-diagonal", "criss-cross", "squares"])
-@pytest.mark.quick("squares")
+@pytest.mark.quick("squares", others="campaign")
 def test_each_picture_is_drawn_of_triangles_and_of_quadrilaterals(tmp_path: Path, pattern: str) -> None:
     problem = plate(pattern=pattern)
     x, y = problem.mesh.points.T

@@ -386,7 +386,7 @@ def test_slivers_with_specht_are_warned_of() -> None:
 
 
 @pytest.mark.parametrize("aspect", [100, 400])
-@pytest.mark.quick("100")
+@pytest.mark.quick("100", others="campaign")
 def test_what_slivers_cost_is_as_the_warnings_say(shared: Any, aspect: int) -> None:
     exact = case(shared, "ssss_unif")["expected"]
 

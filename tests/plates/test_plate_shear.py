@@ -184,7 +184,7 @@ element: auto
 """
 
 
-@pytest.mark.quick("1-dkt")
+@pytest.mark.quick("1-dkt", others="campaign")
 @pytest.mark.parametrize(("thickness", "name"), [("20", "dkmt"), ("1", "dkt")])
 def test_a_file_may_leave_the_element_open(tmp_path: Path, thickness: str, name: str) -> None:
     path = tmp_path / "plate.yaml"

@@ -99,7 +99,16 @@ def truth(problem: plate.Problem) -> float:
 
 
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.quick("simply supported", "soft", "clamped", "thick", "sandwich", "cantilever", "notched, free")
+@pytest.mark.quick(
+    "simply supported",
+    "soft",
+    "clamped",
+    "thick",
+    "sandwich",
+    "cantilever",
+    "notched, free",
+    others="campaign",
+)
 def test_what_is_told_is_what_the_element_with_shear_adds(name: str) -> None:
     """To first order, with layers of first order: 0.78 to 1.3 were found, where 'dkmt' shows the layers."""
     problem = CASES[name]()
@@ -130,7 +139,7 @@ def test_torsion_of_a_strip_has_the_layers_of_saint_venant() -> None:
         (lambda n: cantilever(ANGLED, n, 10e-3, 2e-3), 0.02),
     ],
 )  # fmt: skip
-@pytest.mark.quick("*-0.02")
+@pytest.mark.quick("*-0.02", others="campaign")
 def test_halved_cells_tell_the_same(made: Callable[[int], plate.Problem], most: float) -> None:
     """At clamped corners Q has no bound; 16 cells are coarser than the plate is thick, 128 are finer."""
     reported = [plate.solve(made(n)).shear_share for n in (16, 32, 64, 128)]

@@ -55,7 +55,7 @@ LIMITS = {10: 0.035, 20: 0.03, 40: 0.016}
     + [("dkt+lst", "one-diagonal"), ("bciz", "one-diagonal"), ("bfs", "squares")],
 )  # fmt: skip
 @pytest.mark.parametrize("n", [10, 20])
-@pytest.mark.quick("10-*")
+@pytest.mark.quick("10-*", others="campaign")
 def test_strength_of_a_clamped_square(element: str, pattern: str, n: int) -> None:
     first = plate.first_failure(solved(square(pattern, n), plate.Clamped("boundary"), element), "max-stress")
     assert first.ratio == pytest.approx(ratio(CLAMPED_SQUARE), rel=LIMITS[n])

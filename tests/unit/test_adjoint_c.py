@@ -157,7 +157,7 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
 
 
 @needs_cc
-@pytest.mark.quick("gravity-RK45")
+@pytest.mark.quick("gravity-RK45", others="campaign")
 @pytest.mark.parametrize(
     ("name", "method"),
     [
@@ -171,7 +171,6 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
         ("samples", "RADAU5"),
     ],
 )
-@pytest.mark.ci("gravity-RK45", "loop-RADAU5", "impacts-DOP853", "free_base-RODAS5P", "samples-RADAU5")
 def test_sanitizers_find_nothing_and_tapes_do_not_matter(name: str, method: str, tmp_path: Path) -> None:
     tree = made(tmp_path, name, method)
     flags = (*SANITIZED, "-ffp-contract=off")

@@ -91,7 +91,7 @@ def linkage() -> lamc.Simulator:
     return lamc.compile(closed_mechanism("planar", 3).mechanism)
 
 
-@pytest.mark.quick("notes")
+@pytest.mark.quick("notes", others="campaign")
 @needs_cc
 @pytest.mark.parametrize(
     "ask",

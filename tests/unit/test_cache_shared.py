@@ -76,7 +76,7 @@ def test_fifty_loads_by_two_processes_all_hit(root: Path) -> None:
 
 
 @needs_cc
-@pytest.mark.slow  # two of them in each run: test_processes_that_build_the_same_design_at_once_all_get_it
+@pytest.mark.campaign  # two of them in each run: test_processes_that_build_the_same_design_at_once_all_get_it
 def test_three_processes_that_find_nothing_build_once_each_at_most(root: Path) -> None:
     assert min(hits_of([started(4, QUICKLY) for _ in range(3)])) >= 3
     assert len(entries(root)) == 1

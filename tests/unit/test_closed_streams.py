@@ -88,8 +88,7 @@ def test_every_command_works_with_stderr_closed(
 
 @posix_only
 @pytest.mark.parametrize("closed", [">&- 2>&-", "<&- >&- 2>&-", ">&-"])
-@pytest.mark.quick("<&-*")
-@pytest.mark.ci("<&-*", ">&-")
+@pytest.mark.quick("<&-*", others="campaign")
 def test_results_hold_nothing_else_where_all_streams_are_closed(closed: str, tmp_path: Path) -> None:
     ended = shell(f"{COMMANDS['run']} {closed}", tmp_path)
     assert ended.returncode == 0, ended.stderr

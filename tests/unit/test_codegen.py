@@ -195,7 +195,7 @@ def test_names_of_designs_never_reach_paths_or_code() -> None:
         "π",
     ],
 )
-@pytest.mark.quick("status", "double", "*03c0")
+@pytest.mark.quick("status", "double", "*03c0", others="campaign")
 def test_designs_named_like_files_and_words_of_c_compile_alone_and_as_a_library(
     name: str, tmp_path: Path
 ) -> None:
@@ -267,8 +267,7 @@ int main(void) {{
 
 @needs_cc
 @pytest.mark.parametrize("name", sorted(MECHANISMS))
-@pytest.mark.quick("small")
-@pytest.mark.ci("small", "tree", "laminate40")
+@pytest.mark.quick("small", others="campaign")
 def test_c_compiles_by_itself_without_a_warning_and_equals_the_library(name: str, tmp_path: Path) -> None:
     program, tree = tree_of(name)
     assert (name in WITH_LOOPS) == (

@@ -150,20 +150,11 @@ def printed(tree: SourceTree, folder: Path, flags: Sequence[str], machine: Seque
 
 
 @needs_cc
-@pytest.mark.quick("DOP853-ground_contact")
+@pytest.mark.quick("DOP853-ground_contact", others="campaign")
 @pytest.mark.parametrize(
     "name", ["tree", "ground_contact", "nonlinear_stiffness", "free_base", "joint_limits", "series", *LOOPS]
 )
 @pytest.mark.parametrize("method", ["DOP853", "RK45"])
-@pytest.mark.ci(
-    "DOP853-tree",
-    "DOP853-waterbomb",
-    "DOP853-n_four_bar",
-    "DOP853-ground_contact",
-    "RK45-free_base",
-    "RK45-series",
-    "RK45-joint_limits",
-)
 def test_sanitizers_find_nothing_and_lanes_give_the_bits_of_one(
     name: str, method: str, tmp_path: Path
 ) -> None:

@@ -132,7 +132,7 @@ EXACT = [doubled, parted]  # nothing moves
     at=st.floats(0.05, 0.95),
     angle=st.floats(0.0, 6.28),
 )
-@pytest.mark.quick("doubled", "jittered", "parted")
+@pytest.mark.quick("doubled", "jittered", "parted", others="campaign")
 def test_a_defect_is_mended_and_told(defect, pattern: int, which: int, at: float, angle: float) -> None:
     strokes = PATTERNS[pattern]
     made = sheet(defect(strokes, which % len(strokes), at, angle))

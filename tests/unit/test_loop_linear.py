@@ -133,8 +133,7 @@ def test_what_becomes_weak_on_the_way_is_found() -> None:
     assert after.least_change(goal, 5e-3) == pytest.approx(expected, abs=0.02 * float(np.abs(expected).max()))
 
 
-@pytest.mark.quick("61")
-@pytest.mark.ci("56", "59", "61", "62", "65")
+@pytest.mark.quick("61", others="campaign")
 @pytest.mark.parametrize("nullity", range(56, 66))
 def test_a_cutoff_amid_close_values_leaves_out_as_many_as_asked_for(nullity: int) -> None:
     random = np.random.default_rng(11)

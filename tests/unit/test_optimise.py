@@ -86,7 +86,7 @@ METHODS = ["auto", "slsqp", "trust-constr", "nelder-mead", "evolution"]
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.quick("auto", "slsqp", "nelder-mead", "trust-constr")
+@pytest.mark.quick("auto", "slsqp", "nelder-mead", "trust-constr", others="campaign")
 def test_spring_at_an_active_constraint(method: str) -> None:
     """The quarter period π/2 √(I/k) falls with k, the largest rate θ √(k/I) rises: at its bound ω, k is I (ω/θ)², and
     the quarter period, π θ / (2 ω), falls by π θ / (2 ω²) for each unit that the bound gives way."""

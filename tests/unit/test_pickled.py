@@ -27,7 +27,7 @@ def run(job: tuple[Simulator, float]) -> Result:
     return simulator.run(0.05, parameters={"arm.stiffness": stiffness})
 
 
-@pytest.mark.quick("fork")
+@pytest.mark.quick("fork", others="campaign")
 @pytest.mark.parametrize("kind", ["fork", "spawn"])
 def test_pools_take_simulators_and_return_results(simulator: Simulator, kind: str) -> None:
     with ProcessPoolExecutor(1, mp_context=get_context(kind)) as pool:

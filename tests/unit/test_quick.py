@@ -13,7 +13,7 @@ from tests.support.quick import LEVEL, quick_compilation, quickly
 
 
 @needs_cc
-@pytest.mark.slow
+@pytest.mark.campaign  # smaller models in each run: test_compilers_agree_to_the_last_bit
 def test_the_level_of_optimisation_changes_no_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The crawler: contact, a floating base, events. Each in a cache of its own, where keys are the same."""
     mechanism, scene = mechanism_of("crawler"), scene_of("crawler")

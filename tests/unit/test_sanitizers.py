@@ -138,8 +138,7 @@ SCENES: Mapping[str, tuple[Effect, ...]] = {
 
 
 @pytest.mark.parametrize("name", sorted(MECHANISMS))
-@pytest.mark.quick("closed")
-@pytest.mark.ci("[!s]*", "stops")
+@pytest.mark.quick("closed", others="campaign")
 def test_generated_c_runs_clean(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if not sanitizer_works(tmp_path, *FLAGS):
         pytest.skip("this compiler has no address and undefined-behaviour sanitizers")

@@ -115,7 +115,7 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
 
 
 @needs_cc
-@pytest.mark.quick("loop-DOP853")
+@pytest.mark.quick("loop-DOP853", others="campaign")
 @pytest.mark.parametrize(
     ("name", "method"),
     [
@@ -128,7 +128,6 @@ def made(folder: Path, name: str, method: str) -> SourceTree:
         ("servo", "RADAU5"),
     ],
 )
-@pytest.mark.ci("loop-*", "free_base-RODAS5P", "ground_contact-DOP853")
 def test_sanitizers_find_nothing_and_slices_do_not_matter(name: str, method: str, tmp_path: Path) -> None:
     tree = made(tmp_path, name, method)
     cc(tmp_path, *SANITIZED, "try.c", *objects_of(tree, tmp_path, *SANITIZED), "-o", "try", "-lm")

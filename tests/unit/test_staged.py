@@ -28,7 +28,7 @@ pytestmark = needs_cc
     ],
     ids=lambda m: m.name,
 )
-@pytest.mark.quick("chain3")
+@pytest.mark.quick("chain3", others="campaign")
 def test_staged_equations_give_the_accelerations_of_the_c(mechanism: lamc.Mechanism) -> None:
     sim = lamc.compile(mechanism, lamc.Scene(effects=ALL_PASSIVE))
     start = sim.run(0.1, rtol=1e-10, atol=1e-12, t_eval=[0.1])  # away from where it is drawn, and closed

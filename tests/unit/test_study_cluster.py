@@ -1,6 +1,9 @@
 """A study on a Dask cluster: a real scheduler, workers in processes of their own, one killed half way."""
 
+import contextlib
 import json
+import os
+import signal
 import subprocess
 import sys
 import time
@@ -24,7 +27,8 @@ Process = subprocess.Popen[bytes]
 def begun(module: str, *words: str) -> Process:
     log = subprocess.DEVNULL
     command = [sys.executable, "-m", f"distributed.cli.{module}", *words]
-    return subprocess.Popen(command, cwd=ROOT, stdout=log, stderr=log)
+    few = {**os.environ, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "1"}  # each costs a worker's start
+    return subprocess.Popen(command, cwd=ROOT, stdout=log, stderr=log, env=few, start_new_session=True)
 
 
 @pytest.fixture
@@ -43,13 +47,16 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, Callable[..., Process]]]:
         yield json.loads(place.read_text())["address"], worker
     finally:
         for process in processes:
-            process.terminate()
-        for process in processes:
-            try:
-                process.wait(10.0)
-            except subprocess.TimeoutExpired:  # a nanny whose scheduler has gone waits for it
-                process.kill()
-                process.wait()
+            _kill(process)
+
+
+def _kill(process: Process) -> None:
+    """With what it has started: asked to end, a nanny whose scheduler has gone waits for it."""
+    if hasattr(os, "killpg"):
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
+    process.wait()
 
 
 def _wait(ready, seconds: float = 60.0) -> None:

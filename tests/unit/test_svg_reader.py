@@ -512,7 +512,7 @@ BOMBS = {
 }
 
 
-@pytest.mark.quick("10-curves", "10-close_numbers", "10-edges", "10-rules")
+@pytest.mark.quick("10-curves", "10-close_numbers", "10-edges", "10-rules", others="campaign")
 @pytest.mark.parametrize("bomb", BOMBS)
 @pytest.mark.parametrize("share", [10, pytest.param(1, marks=pytest.mark.campaign)])
 def test_files_beyond_a_limit_are_refused_soon_with_its_name(share: int, bomb: str) -> None:

@@ -69,7 +69,7 @@ def run(simulator: lamc.Simulator, **given: Any) -> lamc.Result:
     return simulator.run(0.1, 1e-6, 1e-8, np.linspace(0.0, 0.1, 8_001), energy_balance=True, **given)
 
 
-@pytest.mark.quick("limit_stop")
+@pytest.mark.quick("limit_stop", others="campaign")
 def test_threads_that_read_one_result_get_its_numbers(simulator: lamc.Simulator) -> None:
     alone = told(run(simulator))
     for _ in range(3):

@@ -169,7 +169,7 @@ def test_slopes_are_those_of_the_gaps(tmp_path: Path) -> None:
 @needs_cc
 @needs("node")
 @pytest.mark.parametrize("name", ["pendulum", "four_bar", "limit_stop"])
-@pytest.mark.quick("pendulum")
+@pytest.mark.quick("pendulum", others="campaign")
 def test_a_run_in_the_page_is_that_of_python(name: str, tmp_path: Path) -> None:
     engine, wasm = engine_script(name)
     sim = simulator(name)

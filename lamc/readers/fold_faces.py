@@ -15,6 +15,7 @@ from shapely import STRtree
 from lamc.basics.errors import DesignError
 from lamc.readers.fold_file import sides_of
 from lamc.records.mechanism import Array
+from lamc.records.network import listed_names
 
 SHARE = 1e-6  # of the smaller facet: an overlap by less is rounding of corners to six digits
 NEAR = 1e-9  # of the drawing's size: places that are nearer are one
@@ -235,6 +236,13 @@ def beside_edges(faces: Sequence[Face], edges: Sequence[Edge]) -> list[tuple[int
     for k, face in enumerate(faces):
         for side in sides_of(face):
             if side in left:
+                met = [n for n, other in enumerate(faces) if {side, side[::-1]} & set(sides_of(other))]
+                if len(met) > 2:
+                    raise DesignError(
+                        f"the edge from vertex {side[0]} to {side[1]} has {len(met)} faces, "
+                        f"{listed_names([str(n) for n in met])}: an edge joins two of one sheet; sheets that are "
+                        "joined to one another are files of their own"
+                    )
                 raise DesignError(
                     f"faces {left[side]} and {k} lie on the same side of the edge from vertex {side[0]} to {side[1]}: "
                     "they overlap, or one of them is listed clockwise"

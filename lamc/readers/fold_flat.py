@@ -15,6 +15,7 @@ from lamc.readers.fold_faces import Edge, Face
 from lamc.records.mechanism import Array
 
 ROUNDING = 1e-4  # of the sheet's size: files have four digits or more of a folded corner
+STRETCHED = 0.05  # of the sheet's size: tears beyond are no strain of facets that a program of bars stretched
 _BACK = 1e-3  # rad from 180 degrees: which way it was folded is no more to be seen
 
 Beside = Sequence[tuple[int | None, int | None]]
@@ -168,8 +169,13 @@ def _check_closed(
         for vertex in edges[k]:
             gap = float(np.linalg.norm(corners[left][vertex] - corners[right][vertex]))
             if gap > ROUNDING * size:
+                way_out = "cut it along an edge (assignment C), as nets of boxes are"
+                if gap < STRETCHED * size:
+                    way_out += (
+                        "; or take the flat crease pattern, if facets were stretched by the program that folded it, as "
+                        "Origami Simulator does"
+                    )
                 raise TornError(
                     f"the sheet cannot be laid flat: about vertex {vertex} it tears by {gap:.2g} m at edge "
-                    f"{number(k)}, so it is none that was folded from one flat piece; cut it along an edge "
-                    "(assignment C), as nets of boxes are"
+                    f"{number(k)}, so it is none that was folded from one flat piece; {way_out}"
                 )

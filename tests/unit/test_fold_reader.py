@@ -19,6 +19,7 @@ from lamc.basics.errors import DesignWarning, LamcError
 from lamc.commands.options import Cli
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus as corpus
+from tests.support import large_corpus
 from tests.support.quick import tries
 
 CARD = lamc.Card(thickness="0.3 mm", density="700 kg/m^3")
@@ -387,6 +388,39 @@ def test_text_that_is_no_json_is_told_with_its_line(tmp_path: Path) -> None:
 def test_a_closed_box_cannot_be_laid_flat(tmp_path: Path) -> None:
     with pytest.raises(LamcError, match="cannot be laid flat: about vertex"):
         read(tmp_path, corpus.cube())
+
+
+def test_a_folded_form_of_stretched_facets_is_told_the_way_out(tmp_path: Path) -> None:
+    """As programs of bars and springs leave them; a box is no such thing."""
+    data = large_corpus.in_space(large_corpus.PATTERNS["yoshimura"](3, 3))
+    ends = [vertex for edge in data["edges_vertices"] for vertex in edge]
+    size = max(map(max, data["vertices_coords"]))
+    data["vertices_coords"][max(ends, key=ends.count)][2] += 0.05 * size  # a vertex amid the sheet
+    with pytest.raises(LamcError, match="or take the flat crease pattern, if facets were stretched"):
+        read(tmp_path, data)
+    with pytest.raises(LamcError) as caught:
+        read(tmp_path, corpus.cube())
+    assert "stretched" not in str(caught.value)
+
+
+def test_an_edge_of_four_faces_is_told_with_them(tmp_path: Path) -> None:
+    """As of tubes that are joined: the faces lie on either side by turns, and none is listed clockwise."""
+    edge = [[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+    around = [[x, y, z] for x, y in ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)) for z in (0.0, 1.0)]
+    faces = [[0, 1, 2 * k + 3, 2 * k + 2][:: (-1) ** k] for k in range(4)]
+    sides = {tuple(sorted(side)) for face in faces for side in zip(face, face[1:] + face[:1], strict=True)}
+    data = {
+        "file_spec": 1.2,
+        "frame_classes": ["foldedForm"],
+        "vertices_coords": edge + around,
+        "faces_vertices": faces,
+        "edges_vertices": [list(side) for side in sorted(sides)],
+        "edges_assignment": ["V" if side == (0, 1) else "B" for side in sorted(sides)],
+    }
+    with pytest.raises(
+        LamcError, match="the edge from vertex 0 to 1 has 4 faces, 0, 1, 2, 3: an edge joins two"
+    ):
+        read(tmp_path, data)
 
 
 def test_of_a_folded_form_that_tears_the_crease_pattern_is_read(tmp_path: Path) -> None:

@@ -28,8 +28,9 @@ def convert(source: Source, target: str, terminal: Terminal, *, force: bool) -> 
         read_so = "the same device" if made.same else "it, but for what is lost"
         lines.append(f"options   {made.again}: with these lamc reads {read_so}")
     if made.design is not None:
-        read_so = "the same device" if made.same else "it, but for what is lost"
-        lines.insert(1, f"design    {design_beside(path)}  takes its shapes from it: lamc reads {read_so}")
+        lines.insert(
+            1, f"design    {design_beside(path)}  takes its shapes from it: lamc reads the same device"
+        )
     terminal.say("\n".join(lines))
     data = {"ok": True, "file": str(path), "bytes": len(made.content), "lost": list(made.lost)}
     beside = str(design_beside(path)) if made.design is not None else None

@@ -31,7 +31,8 @@ def convert(
 
     .yaml (a native design, or a mechanism), .mechanism.yaml, .joints, .fold, .svg, .dxf. Tells what the new file does
     not hold; what it cannot hold at all, such as layers in FOLD, is refused. Beside an SVG or DXF file of a laminate it
-    writes NEW_FILE.yaml, a design that takes its shapes from there. No file is replaced.
+    writes NEW_FILE.yaml, a design that takes its shapes from there. No file is replaced without --force, and
+    none that is read.
 
     \b
     Examples:

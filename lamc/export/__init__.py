@@ -242,9 +242,10 @@ def convert(
     force: bool = False,
     **reading: object,
 ) -> Path:
-    """Writes what the file `source` holds as the file `target`, whose suffix says how; returns its path.
+    """Writes what the file `source` holds as the file `target`, whose suffix says how; returns its path. Beside an SVG
+    or DXF file of a laminate, `target`.yaml is the design that takes its shapes from there.
 
-    force    replace a file
+    force    replace what is there, but for what is read
     reading  keywords of `lamc.load`: card, crease, fixed, units, …
 
     What the file does not hold is a DesignWarning each. Raises ExportError for a suffix that means nothing, a file in

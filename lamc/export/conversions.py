@@ -16,39 +16,42 @@ from shapely.geometry import MultiPolygon
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import ExportError, UnsupportedError
-from lamc.basics.files import replacing, write_text
+from lamc.basics.files import replacing
 from lamc.design.linking import millimetres
 from lamc.design.split import split_steps
 from lamc.design.steps import SplitSteps
 from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import crease_of, lines_of_sheet, lost_in_drawing, point_of
 from lamc.export.cuts.lines import CutLine, bounds_of
-from lamc.export.read_back import differences
+from lamc.export.read_back import differences, reversed_hinges
 from lamc.readers.drawings.dxf_units import LARGEST, SMALLEST
-from lamc.readers.joints_writer import ends, joints_text
+from lamc.readers.joints_writer import ends, joints_text, moduli_of
 from lamc.readers.mechanism_file import mechanism_text
 from lamc.readers.native import Document
 from lamc.readers.native_writer import design_text
 from lamc.records.card import Card, Facets, SheetOptions
 from lamc.records.design import Design, Layer, Material
 from lamc.records.mechanism import Array, Mechanism
+from lamc.records.network import listed_names
 from lamc.records.scene import Scene
 from lamc.report.parameters_text import parameters_line
 
 _BENDS = "which hinges are lines along which facets bend"
 _FORCE = "--force (in Python force=True)"
+_CUT = "`lamc export FILE --to cut` draws each layer in a file of its own, and a .yaml file holds it all"
 _LAYERS = "SVG and DXF hold those, in a drawing and a design that takes its shapes from it"
 
 
 @dataclass(frozen=True)
 class Converted:
     """content: of the file; lost: what it does not hold, in words; again: options that read it back; same: whether it
-    is the same device then; design: the text of a native design that takes its shapes from the file."""
+    is the same device then, None where it was not read back; design: the text of a native design that takes its shapes
+    from the file."""
 
     content: bytes
     lost: tuple[str, ...] = ()
     again: str = ""
-    same: bool = True
+    same: bool | None = None
     design: str | None = None
 
 
@@ -59,16 +62,32 @@ def check_place(source: Path, target: Path, *, force: bool) -> None:
     """Raises ExportError for a suffix that means nothing, for the file that is read, and for one that is there, unless
     forced."""
     _maker(target)
-    if target.exists() and source.exists() and os.path.samefile(source, target):
-        raise ExportError(f"{str(target)!r} is the file that is read; name another")
+    _check_not_read(source, target)
     _check_free(target, force=force)
 
 
+def _check_not_read(source: Path, target: Path) -> None:
+    if _is_there(target) and source.exists() and target.exists() and os.path.samefile(source, target):
+        raise ExportError(f"{str(target)!r} is the file that is read; name another")
+
+
 def _check_free(target: Path, *, force: bool) -> None:
-    if target.is_dir():
+    if _is_there(target) and target.is_dir():
         raise ExportError(f"{str(target)!r} is a folder; name a file in it")
-    if (target.exists() or target.is_symlink()) and not force:
+    if _is_there(target) and not force:
         raise ExportError(f"{str(target)!r} is there; name another file, or replace it with {_FORCE}")
+
+
+def _is_there(target: Path) -> bool:
+    try:
+        target.lstat()
+    except FileNotFoundError:
+        return False
+    except OSError as error:
+        raise ExportError(
+            f"{shown(str(target))} cannot be written: {error.strerror}; name another"
+        ) from error
+    return True
 
 
 def design_beside(path: Path) -> Path:
@@ -79,19 +98,31 @@ def design_beside(path: Path) -> Path:
 def write(made: Converted, path: Path, *, force: bool) -> None:
     """Each file in one step. Raises ExportError where a design is in the way of the one beside a drawing, unless
     forced, and LamcError where a file cannot be written."""
-    if made.design is not None:
-        beside = design_beside(path)
-        _check_free(beside, force=force)
-        write_text(beside, made.design)
-    with replacing(path) as temporary:
+    if made.design is None:
+        with replacing(path) as temporary:
+            temporary.write_bytes(made.content)
+        return
+    beside = design_beside(path)
+    _check_free(beside, force=force)
+    with (
+        replacing(beside) as design,
+        replacing(path) as temporary,
+    ):  # both are there before either has its name
         temporary.write_bytes(made.content)
+        design.write_text(made.design, encoding="utf-8", newline="\n")
 
 
 def converted(record: Design | Mechanism, path: Path, source: Path) -> Converted:
-    """The content of the file. Raises ExportError for its suffix, UnsupportedError for what it cannot hold.
+    """The content of the file. Raises ExportError for its suffix, and where it would replace what the record was read
+    from; UnsupportedError for what it cannot hold.
 
     source  the file that the record was read from"""
+    if isinstance(record, Design):
+        for name, _ in record.beside:
+            _check_not_read(source.parent / name, path)
     made = _maker(path)(record, path.name)
+    if made.design is not None:
+        _check_not_read(source, design_beside(path))
     if record.origin is not None and isinstance(record.origin.recipe, Document):
         said = f"parameters, whose values are written in: {parameters_line(record.parameters)}"
         made = replace(made, lost=(said, *made.lost))
@@ -149,7 +180,15 @@ def _joints(record: Design | Mechanism, file: str) -> Converted:
 
 
 def _lost_of_design(steps: SplitSteps) -> list[str]:
-    lost = ["hinges' gaps, and material that no body has"]
+    lost = ["hinges' gaps, names of layers, and material that no body has"]
+    partly = [
+        layer.name
+        for layer in steps.design.layers
+        if moduli_of(layer.material) is None
+        and (layer.material.E1, layer.material.E2, layer.material.poisson) != (None, None, None)
+    ]
+    if partly:
+        lost.append(f"moduli of layers of which not all are known: {listed_names(partly)}")
     if any(layer.angle for layer in steps.design.layers):
         lost.append("ply angles")
     if any(layer.material.G12 is not None for layer in steps.design.layers):
@@ -168,16 +207,19 @@ def _fold(record: Design | Mechanism, file: str) -> Converted:
 
     if isinstance(record, Design):
         raise UnsupportedError(f"FOLD holds a sheet of creases, and {record.name!r} has layers; {_LAYERS}")
-    made = record
-    sheet = CreasedSheet(made, "FOLD holds")
+    sheet = CreasedSheet(record, "FOLD holds")
     _check_sheet(sheet, "FOLD holds a sheet of one card")
     lost = list(sheet.lost)
     if sheet.windows:
         lost.append(f"windows in facets ({len(sheet.windows)}), whose card is weighed")
-    if made.facet_creases:
+    if record.facet_creases:
         lost.append(_BENDS)
-    lost += _lost_of_scenes(made, angles=True) + ([] if not made.story else ["its story"])
-    return Converted(flat_bytes(made), (*lost, *_lost_points(made)))
+    lost += _lost_of_scenes(record, angles=True) + ([] if not record.story else ["its story"])
+    content = flat_bytes(record)
+    turned = reversed_hinges(record, content)
+    if turned:
+        lost.append(f"which way hinges turn that turn the other way there: {listed_names(turned)}")
+    return Converted(content, (*lost, *_lost_points(record)))
 
 
 def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: bool) -> Maker:
@@ -186,24 +228,24 @@ def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: 
     def maker(record: Design | Mechanism, file: str) -> Converted:
         if isinstance(record, Design):
             return _laminate(record, file, write, paged=paged)
-        made = record
-        sheet = CreasedSheet(made, f"{kind} holds")
+        sheet = CreasedSheet(record, f"{kind} holds")
         _check_sheet(sheet, f"{kind} holds a sheet of one card")
         lines = lines_of_sheet(sheet)
         low, high = bounds_of(lines)
         corner = np.array([low[0], high[1]]) if paged else np.zeros(2)
-        content, options = write(lines, made.name), _options(sheet, corner)
+        content, options = write(lines, record.name), _options(sheet, corner)
         if kind == "DXF" and not SMALLEST <= max(high - low) <= LARGEST:
             options = replace(options, units="mm")  # what the file says, and would be asked about
-        unlike = differences(made, content, f".{kind.lower()}", options, corner)
+        unlike = differences(record, content, f".{kind.lower()}", options, corner)
         # An SVG's title is its name.
         lost = sheet.lost + lost_in_drawing(sheet, lines) + unlike
-        lost += _lost_scenes(made) + _lost_words(made, made.name if paged else file)
+        lost += _lost_scenes(record) + _lost_words(record, record.name if paged else file)
         if corner.any():
             lost.append(
                 f"where it lies: its page begins at {millimetres((float(corner[0]), float(corner[1])))}"
             )
-        return Converted(content, tuple(lost), _words(options), same=not unlike)
+        same = not (unlike or sheet.lost)
+        return Converted(content, tuple(lost), _words(options), same=same)
 
     return maker
 
@@ -211,13 +253,21 @@ def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: 
 def _laminate(
     design: Design, file: str, write: Callable[[list[CutLine], str], bytes], *, paged: bool
 ) -> Converted:
-    from lamc.export.laminate_drawing import manifest_of, unlike
+    """Raises UnsupportedError where lamc would not read the two files as the same design."""
+    from lamc.export.laminate_drawing import differences as found_unlike
+    from lamc.export.laminate_drawing import manifest_of
 
-    manifest = manifest_of(design, file, paged=paged)
-    content = write(list(manifest.lines), design.name)
-    lost = [f"what the file was without: {note}" for note in design.notes]
-    other = unlike(design, manifest, content, file)
-    return Converted(content, (*lost, *other), same=not other, design=manifest.text)
+    unlike: list[str] = []
+    for parted in (False, True):
+        manifest = manifest_of(design, file, paged=paged, parted=parted)
+        content = write(list(manifest.lines), design.name)
+        unlike = found_unlike(design, manifest, content, file)
+        if not unlike:
+            lost = [f"what the file was without: {note}" for note in design.notes]
+            return Converted(content, tuple(lost), same=True, design=manifest.text)
+    raise UnsupportedError(
+        f"{shown(file)} would not be read as the device that is drawn: {'; '.join(unlike)}; {_CUT}"
+    )
 
 
 def _options(sheet: CreasedSheet, corner: Array) -> SheetOptions:

@@ -72,6 +72,10 @@ class CreasedSheet:
                 f"hinges without a common side of their bodies, as gaps leave them: {listed_names(bare)}"
             )
             self.lost.append(self.faults[-1])
+        middle = _middle(mechanism)
+        high = [j.name for j in mechanism.joints if abs(j.point[2] - middle) > _NEAR * mechanism.size]
+        if self.card and high:
+            self.lost.append(f"hinges elsewhere than in the middle of the card: {listed_names(high)}")
         self.lost += [f"limits of hinge {joint.name!r}" for joint in mechanism.joints if joint.is_limited]
 
     def _join(self) -> None:
@@ -136,6 +140,12 @@ class CreasedSheet:
         is_along = float((end - start) @ joint.axis[:2]) > 0.0
         is_child = self.mechanism.bodies[self.bodies[edge.face]].name == joint.child
         return 1.0 if is_along == (is_child == edge.is_left) else -1.0
+
+
+def _middle(mechanism: Mechanism) -> float:
+    """m, of the card's height, where a sheet's hinges are; of several heights, of any."""
+    slab = next(slab for body in mechanism.bodies for slab in body.outline)
+    return 0.5 * (slab.z_bottom + slab.z_top)
 
 
 def _facets(body: Body) -> list[Polygon]:

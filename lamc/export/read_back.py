@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 from lamc.basics.errors import DesignError, DesignWarning
 from lamc.readers.drawings.reading import drawing_in
 from lamc.readers.drawings.sheet import sheet_of
+from lamc.readers.fold import read_fold
 from lamc.readers.inert import DEFAULT_LIMITS
 from lamc.records.card import SheetOptions
 from lamc.records.mechanism import Array, Joint, Mechanism
@@ -39,6 +40,16 @@ def differences(
         except DesignError as error:
             return [f"the device: lamc does not read the drawing: {error.message}"]
     return [*_unlike(drawn, found, corner), *_of_scene(drawn.scene or Scene(), found.scene or Scene())]
+
+
+def reversed_hinges(drawn: Mechanism, content: bytes) -> list[str]:
+    """Names of hinges whose angle has the other sign where lamc reads a FOLD file."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        found = read_fold(content.decode(), "sheet.fold", SheetOptions(large=True), DEFAULT_LIMITS)
+    of = {body.name: body.name for body in drawn.bodies}
+    twins = {joint.name: joint for joint in found.joints}
+    return [j.name for j in drawn.joints if j.name in twins and _sense(j, twins[j.name], of) < 0.0]
 
 
 def _of_scene(drawn: Scene, found: Scene) -> list[str]:

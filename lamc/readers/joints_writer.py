@@ -17,7 +17,7 @@ from lamc.basics.files import checked_path, write_text
 from lamc.basics.yaml_text import scalar
 from lamc.design.mass import body_properties
 from lamc.design.steps import SplitSteps
-from lamc.records.design import Layer, Line
+from lamc.records.design import Layer, Line, Material
 from lamc.records.mechanism import Body, Joint, Mechanism
 
 _PACKAGE = "!!python/object:foldable_robotics.dynamics_info"
@@ -147,11 +147,18 @@ def _line_of(joint: Joint, size: float) -> Line:
     return (float(start[0]), float(start[1])), (float(end[0]), float(end[1]))
 
 
+def moduli_of(material: Material) -> tuple[float, float, float] | None:
+    """E1, E2, Pa, and Poisson's ratio, as a joint definition has them; None where one is not known."""
+    across = material.E1 if material.E2 is None else material.E2
+    if material.E1 is None or across is None or material.poisson is None:
+        return None
+    return material.E1, across, material.poisson
+
+
 def _material_lines(layer: Layer) -> list[str]:
     """popupCAD's placeholders stand for moduli that are not known."""
     material = layer.material
-    known = None not in (material.E1, material.E2, material.poisson)
-    moduli = (material.E1, material.E2, material.poisson) if known else (1.0, 1.0, 0.5)
+    moduli = moduli_of(material) or (1.0, 1.0, 0.5)
     values = {
         "E1": moduli[0],
         "E2": moduli[1],

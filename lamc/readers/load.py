@@ -109,9 +109,13 @@ def _loaded(
         raise
 
 
-def load_text(text: str, name: str, *, limits: Limits = DEFAULT_LIMITS) -> Design | Mechanism:
-    """The design or mechanism in a text that is in no file; messages call it `name`. Raises as `load` does."""
-    return _read(text, name, {}, None, limits, Beside())
+def load_text(
+    text: str, name: str, *, limits: Limits = DEFAULT_LIMITS, drawings: Mapping[str, bytes] | None = None
+) -> Design | Mechanism:
+    """The design or mechanism in a text that is in no file; messages call it `name`. Raises as `load` does.
+
+    drawings  that it takes shapes from, by the names that it has for them"""
+    return _read(text, name, {}, None, limits, Beside(limits=limits, given=drawings or {}))
 
 
 def load_definition(path: Path | str, *, limits: Limits = DEFAULT_LIMITS) -> JointDefinition | None:

@@ -9,11 +9,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from shapely.affinity import translate
 from shapely.geometry import MultiPolygon
 from shapely.geometry.base import BaseGeometry
 
 from lamc.basics.errors import DesignError, LamcError, Place, warn
+from lamc.design.shapes import check_coordinates
 from lamc.readers.drawings.roles import is_angle_note
 from lamc.readers.popupcad_beside import Beside
 from lamc.readers.schema import DrawnModel
@@ -53,7 +55,10 @@ class Drawings:
         from lamc.readers.drawings.layer_shape import shape_of  # few designs need it
 
         found: MultiPolygon = self._once(shape_of, "border", entry, place, mends)
-        return found if entry.at == _ZERO else translate(found, *entry.at)
+        if entry.at == _ZERO:
+            return found
+        check_coordinates(np.add(found.bounds, entry.at * 2), "the shape")
+        return translate(found, *entry.at)
 
     def lines(self, entry: DrawnModel, place: Place, mends: list[Mend], *, rests: bool) -> tuple[Line, ...]:
         """As `region`, of hinge lines. rests: whether the design says at which angle."""
@@ -92,7 +97,9 @@ class Drawings:
 
         drawing = self._drawing(entry, "hinge", place)
         found, made = lengthened(lines, material, tolerance_of(drawing, entry.heal))
-        for note in told_of(made, entry.heal, drawing):
+        x, y = entry.at
+        in_drawing = [replace(mend, at=(mend.at[0] - x, mend.at[1] - y)) for mend in made]
+        for note in told_of(in_drawing, entry.heal, drawing):
             warn(f"{entry.file}: {note}", place)
         mends += [replace(mend, source=f"{entry.file}: {mend.source}") for mend in made]
         return found

@@ -8,7 +8,7 @@ other. Texts are read as data, as every file is. A native design names drawings,
 
 import hashlib
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -40,12 +40,14 @@ class Beside:
     limits   of all files together: their bytes; of each: the rest
     decode   bytes of a file, and its name, to text
     digests  SHA-256 of each file read, by its name
+    given    bytes of drawings that are in no file yet, by the names that they will have
     """
 
     file: Path | None = None
     limits: Limits = DEFAULT_LIMITS
     decode: Decode = _utf8
     digests: dict[str, str] = field(default_factory=dict)
+    given: Mapping[str, bytes] = field(default_factory=dict)
     _designs: dict[Path, Node] = field(default_factory=dict)
     _open: list[Path] = field(default_factory=list)  # files in whose designs laminates are being made
     _bytes: int = 0
@@ -99,6 +101,9 @@ class Beside:
         """
         if not name or name in (".", "..") or not name.isprintable() or re.search(r"[\\/:]", name):
             raise DesignError("name a file that lies beside this one, without folders")
+        if name in self.given:
+            self.digests[name] = hashlib.sha256(self.given[name]).hexdigest()
+            return self.given[name]
         if self.file is None:
             raise DesignError(
                 "this text is in no file that a drawing could lie beside; load the file by its path"

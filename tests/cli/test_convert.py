@@ -409,20 +409,114 @@ fixed: [{rect: [0, 0, 5, 9], layers: [hinge]}]
 """
 
 
-def test_what_a_drawing_is_read_without_is_told(tmp_path: Path) -> None:
-    """Two hinges on one line are one stroke where they lie in one layer of a drawing."""
-    text = LAMINATE.replace("NAME", "").replace("LINES", "[[[10, 0], [10, 9]], [[10, 0], [10, 9]]]")
+def laminate(folder: Path, lines: str, name: str = "a.yaml") -> Path:
+    (folder / name).write_text(LAMINATE.replace("NAME", "").replace("LINES", lines), encoding="utf-8")
+    return folder / name
+
+
+def test_hinge_lines_on_one_another_have_layers_of_their_own(tmp_path: Path) -> None:
+    """In one layer of a drawing they are one stroke."""
+    source = laminate(tmp_path, "[[[10, 0], [10, 6]], [[10, 4], [10, 9]]]")
+    assert call(source, tmp_path / "a.dxf").exit_code == 0
+    assert_same(mechanism_in(tmp_path / "a.dxf.yaml"), mechanism_in(source))
+
+
+@pytest.mark.parametrize("suffix", [".svg", ".dxf"])
+@pytest.mark.parametrize("degrees", [3, 19, 28, 84])
+def test_oblique_cuts_that_end_at_a_rim_are_the_same_shapes(
+    tmp_path: Path, degrees: int, suffix: str
+) -> None:
+    """Overlays leave spikes of no width there, of which a reader of lines makes gaps."""
+    turn = math.radians(degrees)
+    along, across = np.array([math.cos(turn), math.sin(turn)]), np.array([-math.sin(turn), math.cos(turn)])
+    plate = [(x * along + y * across).tolist() for x, y in ((0, 0), (40, 0), (40, 20), (0, 20))]
+    slit = [(x * along + y * across).tolist() for x, y in ((19.8, 0), (20.2, 0), (20.2, 20), (19.8, 20))]
+    notch = [(x * along + y * across).tolist() for x, y in ((5, 10), (9, 10), (9, 20), (5, 20))]
+    text = f"""
+units: mm
+materials: {{card: {{density: 700, rigid: true}}, film: {{density: 1390, flexible: true}}}}
+layers: [{{name: film, material: film, thickness: 0.1}}, {{name: card, material: card, thickness: 0.3}}]
+shapes:
+  - polygon: {plate}
+  - {{cut: {{polygon: {slit}}}, layers: [card]}}
+  - cut: {{polygon: {notch}}}
+hinges: [{{line: [{(20 * along).tolist()}, {(20 * along + 20 * across).tolist()}], layer: film, gap: 0.4}}]
+fixed: [{{polygon: {[*notch[:2], (7 * along).tolist()]}}}]
+"""
     (tmp_path / "a.yaml").write_text(text, encoding="utf-8")
-    result = call(tmp_path / "a.yaml", tmp_path / "a.dxf")
-    assert "lamc reads it, but for what is lost" in result.stdout
-    assert "hinge lines: 2 were drawn, and 1 are read" in result.stdout
-    (tmp_path / "a.dxf").unlink()
-    (tmp_path / "a.dxf.yaml").write_text("precious", encoding="utf-8")
-    result = call(tmp_path / "a.yaml", tmp_path / "a.dxf")
+    assert call(tmp_path / "a.yaml", tmp_path / f"b{suffix}").exit_code == 0
+    assert_same(mechanism_in(tmp_path / f"b{suffix}.yaml"), mechanism_in(tmp_path / "a.yaml"))
+
+
+def test_a_pair_that_would_be_read_otherwise_is_not_written(tmp_path: Path) -> None:
+    source = laminate(tmp_path, "[[[10, 0], [10, 9]]]")
+    result = call(source, tmp_path / "run 12:30.dxf")
     assert result.exit_code == 2
-    assert "a.dxf.yaml' is there; name another file, or replace it with --force" in result.stderr
-    assert not (tmp_path / "a.dxf").exists()
-    assert (tmp_path / "a.dxf.yaml").read_text(encoding="utf-8") == "precious"
+    assert "would not be read as the device that is drawn" in result.stderr
+    assert "name a file that lies beside this one, without folders; `lamc export" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["a.yaml"]
+
+
+def test_nothing_that_is_read_is_written_over(tmp_path: Path) -> None:
+    """Neither the design beside the drawing, nor a drawing that a design takes shapes from; forced or not."""
+    source = laminate(tmp_path, "[[[10, 0], [10, 9]]]")
+    assert call(source, tmp_path / "b.svg").exit_code == 0
+    beside, drawing = tmp_path / "b.svg.yaml", tmp_path / "b.svg"
+    before = beside.read_bytes(), drawing.read_bytes()
+    for target in (drawing, tmp_path / "b.svg.yaml"):
+        assert "is the file that is read; name another" in call(beside, target, "--force").stderr
+    (tmp_path / "c.yaml").write_bytes(before[0])
+    assert (
+        "b.svg' is the file that is read; name another"
+        in call(tmp_path / "c.yaml", drawing, "--force").stderr
+    )
+    assert (beside.read_bytes(), drawing.read_bytes()) == before
+    (tmp_path / "d.dxf.yaml").write_text("precious", encoding="utf-8")
+    result = call(source, tmp_path / "d.dxf")
+    assert result.exit_code == 2
+    assert "d.dxf.yaml' is there; name another file, or replace it with --force" in result.stderr
+    assert not (tmp_path / "d.dxf").exists()
+    assert (tmp_path / "d.dxf.yaml").read_text(encoding="utf-8") == "precious"
+
+
+@pytest.mark.parametrize("length", [250, 300])
+def test_a_name_that_is_too_long_is_one_line(tmp_path: Path, length: int) -> None:
+    """250: the drawing's fits, and that of the design beside it does not."""
+    result = call(laminate(tmp_path, "[[[10, 0], [10, 9]]]"), tmp_path / f"{'x' * length}.svg")
+    assert result.exit_code == 2
+    assert "cannot be written: File name too long" in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["a.yaml"]
+
+
+def test_what_is_lost_of_hinges_and_moduli_is_told(tmp_path: Path) -> None:
+    """A hinge on a face of the card, limits, an angle that counts the other way, half of a material."""
+    source = sheet(tmp_path, corpus.miura(2, 2))
+    text = source.read_text(encoding="utf-8")
+    drawn = quiet(source)
+    assert isinstance(drawn, Mechanism)
+    one = drawn.joints[0]
+    for suffix in (".dxf", ".fold"):
+        moved = replace(
+            drawn, joints=(replace(one, point=one.point + np.array([0.0, 0.0, 1e-4])), *drawn.joints[1:])
+        )
+        made = converted(moved, Path(f"a{suffix}"), source)
+        assert f"hinges elsewhere than in the middle of the card: {one.name}" in made.lost
+        assert not made.same
+    limited = replace(drawn, joints=(replace(one, limits=(-1.0, 1.0)), *drawn.joints[1:]))
+    assert converted(limited, Path("a.dxf"), source).same is False
+    turned = replace(one, axis=-one.axis, rest_angle=-one.rest_angle)
+    made = converted(replace(drawn, joints=(turned, *drawn.joints[1:])), Path("a.fold"), source)
+    assert any(f"turn the other way there: {one.name}" in lost for lost in made.lost)
+    assert text == source.read_text(encoding="utf-8")
+    half = laminate(tmp_path, "[[[10, 0], [10, 9]]]")
+    for moduli, told in (("E1: 2.5 GPa", True), ("E1: 2.5 GPa, poisson: 0.3", False)):
+        half.write_text(
+            half.read_text(encoding="utf-8").replace("film: {density", f"film: {{{moduli}, density")
+        )
+        result = call(half, tmp_path / "a.joints", "--force")
+        assert ("moduli of layers of which not all are known: hinge" in result.stdout) == told
+        half = laminate(tmp_path, "[[[10, 0], [10, 9]]]")
+    assert "E1: 2500000000.0" in (tmp_path / "a.joints").read_text(encoding="utf-8")
 
 
 def test_layers_are_refused_by_formats_of_one_sheet(tmp_path: Path) -> None:

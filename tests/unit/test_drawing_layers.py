@@ -240,6 +240,20 @@ def test_a_drawing_lies_where_the_design_says(tmp_path: Path) -> None:
         assert [mend.at for mend in moved.mends] == [pytest.approx((dx, -3e-3))]
     assert any("healed: gap in an outline: 1, by up to 0.03 mm: (0, 0) mm" in each for each in told)
     assert lamc.split(made).bodies[0].fixed
+    short = '<path d="M20 0 V19.98" id="j1"/>'
+    _, told = small(
+        tmp_path, BODY, short, SMALL.replace("layer: joint}", "layer: joint, heal: 0.1 mm, at: [7, -3]}")
+    )
+    assert not any("hinge extended" in each for each in told)  # there is no edge of the material there
+    moved = SMALL.replace("layer: body}", "layer: body, at: [7, -3]}")
+    moved = moved.replace("layer: joint}", "layer: joint, heal: 0.1 mm, at: [7, -3]}")
+    made, told = small(tmp_path, BODY, short, moved)
+    assert any("hinge extended: 1, by up to 0.02 mm: (20, 20) mm" in each for each in told)
+    assert [mend.at for mend in made.mends] == [pytest.approx((0.027, 0.017))]
+    with pytest.raises(
+        lamc.DesignError, match=r"coordinate of 1e\+16 m; it must be finite and within 1e\+06 m"
+    ):
+        small(tmp_path, text=SMALL.replace("layer: body}", "layer: body, at: [1e16 m, 0]}"))
 
 
 def test_mends_are_kept_told_and_drawn(tmp_path: Path) -> None:

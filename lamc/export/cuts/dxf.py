@@ -26,7 +26,9 @@ def dxf_bytes(lines: Sequence[CutLine]) -> bytes:
         for line in lines:
             name = layer_name(line)
             if name not in document.layers:
-                document.layers.add(name, color=line.pen.index)
+                layer = document.layers.add(name, color=line.pen.index)
+                if line.pen.about:
+                    layer.description = line.pen.about
             places = [(_MM * x, _MM * y) for x, y in line.points.tolist()]
             space.add_lwpolyline(places, close=line.closed, dxfattribs={"layer": name})
         text = io.StringIO()

@@ -15,11 +15,15 @@ from lamc.records.mechanism import Array
 
 @dataclass(frozen=True)
 class Pen:
-    """A layer of a file, and the colour that its lines have: for SVG, and its number in AutoCAD's index for DXF."""
+    """A layer of a file, and the colour that its lines have: for SVG, and its number in AutoCAD's index for DXF.
+
+    about  what programs show of the layer beside its name
+    """
 
     name: str
     colour: str
     index: int
+    about: str = ""
 
 
 # Cutters run layers by name: what lies within a part goes before the line that lets it fall out.

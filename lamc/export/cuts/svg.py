@@ -36,6 +36,7 @@ def svg_text(
             f'<g id={name} inkscape:groupmode="layer" inkscape:label={name} fill="none" stroke="{pen.colour}" '
             f'stroke-width="{_STROKE}">'
         )
+        text += [f"<desc>{_words(pen.about)}</desc>"] if pen.about else []
         text += [_path(line, corner) for line in lines if line.pen == pen]
         text.append("</g>")
     return "\n".join([*text, "</svg>"]) + "\n"

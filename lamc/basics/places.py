@@ -3,6 +3,7 @@
 In: places from readers of files. Out: the place for an error. Records that were made by hand have none.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,12 +11,13 @@ from dataclasses import dataclass
 from lamc.basics.errors import DesignErrors, LamcError, Place
 
 Path = tuple[str | int, ...]
+_NAMED = re.compile(r"'([^']+)'")
 
 
 @dataclass(frozen=True)
 class Places:
     """Keys from the top of the file, or of the scene, and the place; and records that errors may be about, each with
-    the places of its keys."""
+    the places of its keys, and of the words in it."""
 
     known: tuple[tuple[Path, Place], ...] = ()
     records: tuple[tuple[object, Place, Mapping[str, Place]], ...] = ()
@@ -45,7 +47,9 @@ def located_at(places: Places) -> Iterator[None]:
     except LamcError as error:
         place = None
         if error.place is None and error.subject is not None:
-            place = places.of_subject(error.subject, error.part)
+            # What the message names, such as a joint that there is not, is at fault where nobody knows the part.
+            part = error.part or tuple(_NAMED.findall(error.message))
+            place = places.of_subject(error.subject, part)
         if place is None:
             raise
         raise type(error)(error.message, place) from error

@@ -53,6 +53,20 @@ class Problems:
         pairs = node.pairs if isinstance(node, MapNode) else ()
         return {key.text: value.place for key, value in pairs if isinstance(key, ScalarNode)}
 
+    def words(self, path: Path) -> Mapping[str, Place]:
+        """The places of all single keys and values within what stands at `path`, of each the first."""
+        found: dict[str, Place] = {}
+        left: list[Node] = [node_at(self._root, path)]
+        while left:
+            node = left.pop()
+            if isinstance(node, ScalarNode):
+                found.setdefault(node.text, node.place)
+            elif isinstance(node, ListNode):
+                left += reversed(node.items)
+            else:
+                left += [each for pair in reversed(node.pairs) for each in reversed(pair)]
+        return found
+
     def text(self, path: Path) -> str:
         """What is written at `path`; empty where no single value is. Looks through the map that it is in."""
         node = node_at(self._root, path)

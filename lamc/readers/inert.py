@@ -9,7 +9,7 @@ Beyond YAML 1.2 it reads `*id003: 0.65`, an alias as a key without a space befor
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
@@ -76,6 +76,11 @@ def compose(
     if composer.duplicates:
         raise DesignErrors(composer.duplicates)
     return composer.root
+
+
+def _beside(key: Node, value: ScalarNode) -> ScalarNode:
+    """A value of which nothing is written stands where its key does; the file's next word may be lines away."""
+    return replace(value, line=key.line, column=key.column) if value.plain else value
 
 
 def _events(text: str, file: str) -> Iterator[Any]:
@@ -191,7 +196,10 @@ class _Composer:
             raise self._too_many(event)
 
     def _map(self, top: _Open) -> MapNode:
-        pairs = tuple(zip(top.items[::2], top.items[1::2], strict=True))
+        pairs = tuple(
+            (key, _beside(key, value) if isinstance(value, ScalarNode) and not value.text else value)
+            for key, value in zip(top.items[::2], top.items[1::2], strict=True)
+        )
         seen: dict[str, int] = {}
         for key, _ in pairs:
             if not isinstance(key, ScalarNode):

@@ -219,7 +219,11 @@ class _Reader:
         inputs = read_inputs(said.inputs, said.path, called, problems, self.numbers)
         if inputs is None:
             return None
-        made = [(e, problems.place(path), problems.places(path)) for e, path in called if e is not None]
+        made = [
+            (e, problems.place(path), {**problems.words(path), **problems.places(path)})
+            for e, path in called
+            if e is not None
+        ]
         places: list[tuple[Path, Path]] = [((), said.path)]
         places += [(("angles", name), path) for name, (_, path) in said.angles.items()]
         places += [(("rates", name), path) for name, (_, path) in said.rates.items()]

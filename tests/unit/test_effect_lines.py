@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import lamc
-from lamc.basics.errors import DesignErrors, LamcError
+from lamc.basics.errors import DesignErrors, LamcError, Place
 from lamc.readers.scene_writer import scene_data
 from tests.support.every_effect import SAMPLES, mechanism
 from tests.unit.test_unknown_names import UNKNOWN, loop
@@ -82,14 +82,24 @@ NAMED = [
 
 @pytest.mark.parametrize("kind", COMPANY)
 @pytest.mark.parametrize(("name", "data"), NAMED)
-def test_a_name_that_is_not_there_is_reported_at_its_effect(
+def test_a_name_that_is_not_there_is_reported_at_its_field(
     name: str, data: Data, kind: str, tmp_path: Path
 ) -> None:
     file, at = scene_file(tmp_path, name, data, COMPANY[kind])
     error = refusal(file, kind)
     assert error.place is not None
-    assert error.place.line in at.values()
+    assert error.place.line == next(at[key] for key in data if UNKNOWN in in_flow({key: data[key]}))
     assert f"'{UNKNOWN}'" in error.message
+
+
+@pytest.mark.parametrize("after", ["", "\n\n  # more\n  hinge_damping:\n"])
+def test_an_effect_without_a_value_is_reported_at_its_own_line(after: str, tmp_path: Path) -> None:
+    """Nothing is written there, and the next word may be lines away, or the file may be over."""
+    motion = {"displacement": ["0", "0", "t"]}
+    file, _ = scene_file(tmp_path, "base_motion", motion)
+    text = file.read_text(encoding="utf-8")
+    file.write_text(f"{text}  free_base:{after}\n\n", encoding="utf-8")
+    assert refusal(file, "plain").place == Place(str(file), text.count("\n") + 1, 3)
 
 
 def test_there_is_a_case_of_every_effect_that_names_something() -> None:

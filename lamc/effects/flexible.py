@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from lamc.basics.checks import Array
+from lamc.basics.errors import DesignError, LamcError
 from lamc.basics.fields import Flag, Name, Names, Whole
 from lamc.basics.quantity_fields import Unit
 from lamc.effects.bender_plies import LaminateField
@@ -103,7 +104,14 @@ class FlexibleLinks(RegisteredEffect):
         """Names of the bodies that bend, their plates, and the shapes of these."""
         for name in self.bodies or [link.body.name for link in tree.links]:
             plate = body_plate(tree, name, self.laminate)
-            yield name, plate, _reduced(_Asked(plate, self))
+            try:
+                reduced = _reduced(_Asked(plate, self))
+            except LamcError as error:
+                raise DesignError(
+                    f"flexible_links: the plate of body {name!r} cannot be reduced to modes, so leave the body out: "
+                    f"{error.message}"
+                ) from error
+            yield name, plate, reduced
 
     def notes(self, tree: Tree) -> tuple[str, ...]:
         """A sentence for each body whose modes are too high as its edge stays straight at its hinge: by more than 5 %,

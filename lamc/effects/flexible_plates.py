@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from lamc.plates.laminates.laminate import Laminate
 
 _REACH = 1e-3  # of the outline's size: an edge of it that is so near to a hinge line lies along it
+_ROUNDING = (
+    1e-8  # of the plate's size: how far its outline may be off the drawn one, by the grid of its regions
+)
 _HEAVY = 1e-3  # part of its mass by which a body may weigh less than its plate
 
 
@@ -95,18 +98,31 @@ def _from_design(mechanism: Mechanism, name: str, hinge: Joint, others: list[Joi
         plate = plate_of(mechanism.design, name, hinges="lines")
     except DesignError as error:
         raise DesignError(f"flexible_links: body {name!r} is no plate here: {error.message}") from error
-    clamped = plate.hinges[hinge.name].line
+    outline = shapely.union_all(list(plate.regions.values()))
+    near = _ROUNDING * float(np.ptp(np.reshape(outline.bounds, (2, 2)), axis=0).max())
+    # Regions are laid over one another on a grid, and edges along hinges are not.
+    edges = {name: _on_rim(each.line, outline, near) for name, each in plate.hinges.items()}
+    clamped = edges[hinge.name]
     if clamped.is_empty:
         raise DesignError(
             f"flexible_links: no edge of body {name!r} lies along its hinge {hinge.name!r}, which is to hold it; leave "
             "the body out"
         )
-    lines = {joint.name: plate.hinges[joint.name].line for joint in others}
     attachments = tuple(
-        Attachment((float(j.point[0]), float(j.point[1])), None if lines[j.name].is_empty else lines[j.name])
+        Attachment((float(j.point[0]), float(j.point[1])), None if edges[j.name].is_empty else edges[j.name])
         for j in others
     )
     return BodyPlate(plate.regions, plate.laminates, clamped, attachments, plate.height)
+
+
+def _on_rim(line: BaseGeometry, outline: BaseGeometry, near: float) -> BaseGeometry:
+    """The sides of an outline that a line goes along, m; the line itself where it is not as long as they are."""
+    rings = [shapely.get_coordinates(ring) for ring in shapely.get_parts(shapely.boundary(outline))]
+    sides = np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings])
+    apart = shapely.distance(line, shapely.points(sides))
+    kept = sides[(apart <= near).all(axis=1)]
+    found = shapely.line_merge(shapely.multilinestrings(list(kept)))
+    return found if abs(found.length - line.length) <= near * (1 + len(kept)) else line
 
 
 def _from_outline(body: Body, hinge: Joint, others: list[Joint], laminate: "Laminate") -> BodyPlate:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pytest
+import shapely
 from scipy.optimize import brentq
 from shapely.geometry import LineString, box
 
@@ -25,9 +26,11 @@ from lamc import (
     TwistCompliance,
     plate,
 )
-from lamc.basics.errors import DesignError
+from lamc.basics.errors import DesignError, LamcError
 from lamc.basics.times import Times
+from lamc.commands.examples import mechanism_of_example
 from lamc.effects import Gravity, HingeStiffness
+from lamc.examples import find
 from lamc.mechanics.arranging import arrange
 from lamc.mechanism.plan import plan
 from lamc.readers.load import load_text
@@ -468,3 +471,28 @@ def test_modes_above_what_the_shapes_reach_are_told() -> None:
         assert found == pytest.approx(exact[: len(known)], rel=0.01)  # of cells, and of the gap
         assert len(modes.notes) == 1
         assert modes.notes[0].startswith(told)
+
+
+@pytest.mark.parametrize("name", ["miura", "yoshimura", "waterbomb"])
+def test_facets_with_oblique_hinges_bend(name: str) -> None:
+    """Regions of a plate lie on a grid, and its hinge lines do not: an oblique one had been refused, as outside."""
+    mechanism = mechanism_of_example(find(name))
+    tree = plan(mechanism)
+    oblique = [
+        link.body.name for link in tree.links if min(abs(link.joint.axis[0]), abs(link.joint.axis[1])) > 0.1
+    ]
+    for _, bent, reduced in lamc.FlexibleLinks(bodies=oblique[:1]).reductions(tree):
+        apart = shapely.distance(shapely.points(shapely.get_coordinates(bent.clamped)), bent.outline.boundary)
+        assert apart.max() <= 1e-10  # m: the grid that regions lie on
+        hinge = next(link.joint for link in tree.links if link.body.name == oblique[0])
+        arms = shapely.get_coordinates(bent.clamped) - hinge.point[:2]
+        across = np.abs(arms[:, 0] * hinge.axis[1] - arms[:, 1] * hinge.axis[0])
+        assert across.max() < 2e-3  # m: half of the widest gap of these examples
+        assert bent.clamped.length > 0.5 * bent.outline.length / len(shapely.get_coordinates(bent.outline))
+        assert (reduced.omega[: reduced.natural] > 0.0).all()
+
+
+def test_a_facet_that_falls_into_pieces_is_refused_by_its_name() -> None:
+    mechanism = mechanism_of_example(find("kresling"))
+    with pytest.raises(LamcError, match=r"flexible_links: the plate of body 'f0_0b' cannot be reduced"):
+        lamc.compile(mechanism, lamc.Scene(added=[lamc.FlexibleLinks()]))

@@ -7,6 +7,7 @@ executed, and every failure is a LamcError with the place.
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import cast
 
 from lamc.basics.checks import shown
 from lamc.basics.errors import DesignError, LamcError, Place, UnsupportedError, warn
@@ -53,6 +54,7 @@ def load(
     crease: float | str | None = None,
     units: str | None = None,
     roles: Mapping[str, Role] | None = None,
+    layers: Mapping[str, str] | None = None,
     heal: float | str | None = None,
     facets: Facets | None = None,
     large: bool = False,
@@ -65,6 +67,7 @@ def load(
     limits     what the file may cost; a file beyond them is refused with the limit's name
     fixed, card, crease, units, roles, heal, facets  of a sheet of creases: see `SheetOptions`; None: what the file
                says, else a default with a warning
+    layers     roles of a drawing's layers, by any name that layers are known by: "outline" is border
     large      a sheet may have more facets than take some seconds
     set        values of its `parameters` in the place of their defaults, SI or text: {"length": "50 mm"}
 
@@ -80,9 +83,27 @@ def load(
         materials,
         progress,
         limits,
-        SheetOptions(fixed, card, crease, units, roles, heal, facets, large),
+        SheetOptions(fixed, card, crease, units, _with_layers(roles, layers), heal, facets, large),
     )
     return record if set is None else record.with_parameters(set)
+
+
+def _with_layers(
+    roles: Mapping[str, Role] | None, layers: Mapping[str, str] | None
+) -> Mapping[str, Role] | None:
+    """Roles, and those of layers, which a name such as "outline" says too."""
+    if layers is None:
+        return roles
+    if not isinstance(layers, Mapping):
+        raise DesignError(f"layers is {shown(layers)}; it must map layers to what they are for")
+    from lamc.readers.drawings.roles import layer_role
+
+    both = set(layers) & set(roles or {})
+    if both:
+        raise DesignError(f"roles and layers both say what {shown(min(both, key=str))} is for; leave one out")
+    # What is no role is told by SheetOptions.
+    known = {n: (layer_role(role) if isinstance(role, str) else None) or role for n, role in layers.items()}
+    return {**(roles or {}), **cast(Mapping[str, Role], known)}
 
 
 def _loaded(

@@ -487,7 +487,7 @@ def test_facets_with_oblique_hinges_bend(name: str) -> None:
         hinge = next(link.joint for link in tree.links if link.body.name == oblique[0])
         arms = shapely.get_coordinates(bent.clamped) - hinge.point[:2]
         across = np.abs(arms[:, 0] * hinge.axis[1] - arms[:, 1] * hinge.axis[0])
-        assert across.max() < 2e-3  # m: half of the widest gap of these examples
+        assert across.max() <= 2e-3 + 1e-10  # m: half of the widest gap of these examples, and the grid
         assert bent.clamped.length > 0.5 * bent.outline.length / len(shapely.get_coordinates(bent.outline))
         assert (reduced.omega[: reduced.natural] > 0.0).all()
 

@@ -1,10 +1,15 @@
 """What lines of drawings are for: the user's word, the layer's name, the colour."""
 
 import math
+import warnings
+from pathlib import Path
+from typing import Any
 
 import pytest
 from PIL import ImageColor
 
+import lamc
+from lamc.basics.errors import DesignError, DesignWarning
 from lamc.readers.drawings.colours import colour_of, family_of
 from lamc.readers.drawings.roles import layer_angle, layer_role, role_of
 from lamc.records.card import NO_SHEET_OPTIONS, SheetOptions
@@ -99,3 +104,28 @@ def test_names_of_colours_are_read_after_pillow_has_read_them() -> None:
         ImageColor.getrgb(name)  # which changes Pillow's table of names
         colour_of.cache_clear()
         assert colour_of(name) == (ImageColor.getrgb(name), 1.0)
+
+
+def test_layers_are_said_by_the_names_that_layers_have(tmp_path: Path) -> None:
+    """`layers` of `lamc.load`: "outline" is the role border, as it is of a layer of that name."""
+    group = '<g id="{}" fill="none" stroke="white"><path d="{}"/></g>'
+    drawn = group.format("RIM", "M0 0H40V20H0Z") + group.format("LINE", "M20 0V20")
+    svg = f'<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="20mm" viewBox="0 0 40 20">{drawn}</svg>'
+    file = tmp_path / "part.svg"
+    file.write_text(svg, encoding="utf-8")
+    options: dict[str, Any] = {"card": lamc.Card(), "crease": 1e-3}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DesignWarning)
+        by_role = lamc.load(file, roles={"RIM": "border", "LINE": "valley"}, **options)
+        assert lamc.load(file, layers={"RIM": "outline", "LINE": "valley fold"}, **options) == by_role
+        assert lamc.load(file, layers={"RIM": "Outlines"}, roles={"LINE": "valley"}, **options) == by_role
+    assert isinstance(by_role, lamc.Mechanism)
+    assert len(by_role.joints) == 1
+    for layers, message in (
+        ({"RIM": "outlin"}, "the role of 'RIM' is 'outlin'; roles are border"),
+        ({"RIM": 3}, "the role of 'RIM' is 3"),
+        (["RIM"], "layers is .*it must map layers"),
+        ({"LINE": "cut"}, "roles and layers both say what 'LINE' is for"),
+    ):
+        with pytest.raises(DesignError, match=message):
+            lamc.load(file, layers=layers, roles={"LINE": "valley"}, **options)  # type: ignore[arg-type]

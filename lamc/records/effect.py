@@ -6,6 +6,7 @@ hooks: they do nothing unless an effect overrides them.
 """
 
 import difflib
+import inspect
 import math
 from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -156,16 +157,43 @@ def overrides(effect: Any, hook: str) -> bool:
 
 
 def check_hooks(effect: Any) -> None:
-    """Raises DesignError for a method whose name is nearly a hook's."""
-    for name in dir(type(effect)):
-        if name.startswith("_") or name in HOOKS or not callable(getattr(type(effect), name, None)):
+    """Raises DesignError for what is named nearly as a hook and is no field, and for a hook that cannot be asked: a
+    method in the place of a property, another value in the place of a method, or one that takes other arguments."""
+    kind = type(effect)
+    for name in dir(kind):
+        if name.startswith("_"):
             continue
-        near = difflib.get_close_matches(name, HOOKS, n=1, cutoff=_LIKE)
-        if near:
-            raise DesignError(
-                f"effect {effect.name!r} has a method {name!r}, which nothing asks for; did you mean {near[0]!r}? "
-                "A method of its own may begin with _"
-            )
+        own = inspect.getattr_static(kind, name)
+        if name in HOOKS:
+            problem = _hook_problem(name, own)
+            if problem:
+                raise DesignError(f"effect {effect.name!r}: {name} {problem}")
+        elif name not in getattr(kind, "__dataclass_fields__", {}):
+            near = difflib.get_close_matches(name, HOOKS, n=1, cutoff=_LIKE)
+            if near:
+                raise DesignError(
+                    f"effect {effect.name!r} has {'a method' if callable(own) else 'an attribute'} {name!r}, which "
+                    f"nothing asks for; did you mean {near[0]!r}? What is its own may begin with _"
+                )
+
+
+def _hook_problem(name: str, own: object) -> str:
+    """Why a hook cannot be asked as it is; empty where it can."""
+    asked = vars(Effect)[name]
+    if not callable(asked):  # a property or a value; fields may say it too
+        return "must be a property: write @property above it" if inspect.isfunction(own) else ""
+    if not inspect.isroutine(own) and not callable(own):
+        return f"must be a method: define {_call(name)}"
+    if inspect.isfunction(own):
+        try:
+            inspect.signature(own).bind(*inspect.signature(asked).parameters)
+        except TypeError:
+            return f"takes other arguments than it is asked with: define {_call(name)}"
+    return ""
+
+
+def _call(hook: str) -> str:
+    return f"{hook}({', '.join(inspect.signature(vars(Effect)[hook]).parameters)})"
 
 
 def marks_of(effects: Iterable[Effect], parameters: Mapping[str, float]) -> tuple[PlaneMark, ...]:

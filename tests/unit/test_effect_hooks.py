@@ -62,6 +62,44 @@ def test_a_method_named_nearly_as_a_hook_is_refused(base: type, written: str, me
         lamc.Scene(effects=(near(),))
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("conservative", lambda self: False, r"conservative must be a property: write @property above it"),
+        ("conservativ", property(lambda self: False), r"an attribute 'conservativ'.*mean 'conservative'"),
+        ("repeatble", True, r"an attribute 'repeatble'.*mean 'repeatable'"),
+        ("claims", ("peace",), r"claims must be a method: define claims\(self\)"),
+        (
+            "contribute",
+            lambda self: None,
+            r"contribute takes other arguments .*: define contribute\(self, loads\)",
+        ),
+        ("check_start", lambda self, angles: None, r"define check_start\(self, mechanism, angles\)"),
+    ],
+)
+@pytest.mark.parametrize("base", [Own, Foreign])
+def test_a_hook_that_cannot_be_asked_is_refused(base: type, name: str, value: Any, message: str) -> None:
+    """A method in the place of a property had counted as true, and a missing argument ended in a TypeError."""
+    with pytest.raises(DesignError, match=message):
+        lamc.Scene(effects=(type("Odd", (base,), {name: value})(),))
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("conservative", False),
+        ("conservative", property(lambda self: False)),
+        ("contribute", lambda self, *all: None),
+        ("claims", staticmethod(lambda: ())),
+        ("claims", classmethod(lambda kind: ())),
+    ],
+)
+def test_a_hook_may_be_written_in_any_way_that_can_be_asked(name: str, value: Any) -> None:
+    effect = type("Odd", (Own,), {name: value})()
+    lamc.Scene(effects=(effect,))
+    assert claims_of(effect) == ()
+
+
 def test_a_private_method_may_have_any_name() -> None:
     lamc.Scene(effects=(type("Private", (Own,), {"_claim": lambda self: ()})(),))
 

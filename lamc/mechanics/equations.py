@@ -7,6 +7,7 @@ Nothing is written out until it is asked for: `assignments` shows the staged equ
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass, field, fields, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Protocol, cast
 
 from lamc.basics.once import lazy
@@ -139,7 +140,7 @@ class Equations:
     def inertia(self) -> Mapping[tuple[int, int], Scalar]:
         """M by rates, kg·m² between joints: entries (i, j), i >= j; a plain tree's have j on the way from i to the
         world. Scalars of the same fork as `forces`, unless these equations are one."""
-        return self._system[0]
+        return MappingProxyType(self._system[0])
 
     @property
     def forces(self) -> tuple[Scalar, ...]:
@@ -205,7 +206,10 @@ class Equations:
 
     @property
     def passes(self) -> tuple[list[Scalar], list[Scalar]]:
-        """M u̇ - f (nu,), and M u̇ (nu,), at the symbols of u̇. Scalars of the store, in which they are written."""
+        """M u̇ - f (nu,), and M u̇ (nu,), at the symbols of u̇; of plain equations alone. Scalars of a fork, unless these
+        equations are one."""
+        if self.store.is_frozen:
+            return self.forked().passes
         udot = [self.store.symbol(f"udot_{c.name}", Space.ACCELERATION, i) for i, c in enumerate(self.rates)]
         problem = cast("Problem", self.problem)
         return problem.residual(udot), problem.momenta(udot)

@@ -35,7 +35,7 @@ lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/lint-imports --no-cache
-	$(BIN)/clang-format --dry-run -Werror runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/ensemble/*.[ch] runtime_c/sensitivity/*.[ch] runtime_c/adjoint/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
+	$(BIN)/clang-format --dry-run -Werror runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/ensemble/*.[ch] runtime_c/sensitivity/*.[ch] runtime_c/adjoint/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/plate/*.[ch] runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
 	$(BIN)/clang-format --style=file:runtime_c/.clang-format --dry-run -Werror templates/export/fmu/*.[ch]
 
 types: $(STAMP)
@@ -45,7 +45,7 @@ format: $(STAMP)
 	$(BIN)/ruff check --fix .
 	$(BIN)/ruff format .
 	$(BIN)/clang-format --style=file:runtime_c/.clang-format -i templates/export/fmu/*.[ch]
-	$(BIN)/clang-format -i runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/ensemble/*.[ch] runtime_c/sensitivity/*.[ch] runtime_c/adjoint/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
+	$(BIN)/clang-format -i runtime_c/include/*.h runtime_c/src/*.[ch] runtime_c/ensemble/*.[ch] runtime_c/sensitivity/*.[ch] runtime_c/adjoint/*.[ch] runtime_c/absent/*.[ch] runtime_c/bare/*.h runtime_c/plate/*.[ch] runtime_c/mesher/*.[ch] runtime_c/tests/*.[ch]
 
 docs: $(STAMP) # the pages as a site, in out/site; a link that leads nowhere is an error
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[docs]'

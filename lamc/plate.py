@@ -142,6 +142,8 @@ if not TYPE_CHECKING:  # a type checker shall miss the old names
             "Gravity": "lamc.plate.SelfWeight",
             "Model": "lamc.plate.FactoredPlate",
             "HingeTurn": "lamc.plates.records.HingeRotation",
+            "Modes": "lamc.plates.records.PlateModes",
+            "HingeStiffness": "lamc.plates.records.FilmStiffness",
         }
         | {name: f"lamc.plates.records.{name}" for name in records.__all__},
     )

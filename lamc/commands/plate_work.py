@@ -21,7 +21,7 @@ from lamc.plates.answers.corner_fields import CornerFields, Extreme, corner_fiel
 from lamc.plates.answers.estimate import error_estimate
 from lamc.plates.answers.failure import first_failure
 from lamc.plates.answers.model import FactoredPlate
-from lamc.plates.answers.modes import Modes, modes
+from lamc.plates.answers.modes import PlateModes, modes
 from lamc.plates.answers.shape_pairs import halved_buckling, halved_modes
 from lamc.plates.answers.solution import Solution
 from lamc.plates.elements.kernels import kernels
@@ -95,10 +95,10 @@ def answers(
 
 
 def _shape_reports(
-    found: Modes | None, buckled: Mapping[str, Buckling], said: Collection[str]
+    found: PlateModes | None, buckled: Mapping[str, Buckling], said: Collection[str]
 ) -> dict[str, ShapeReport]:
     """Errors and notes by `MODES` and `buckling_key`; without notes that cases have `said`."""
-    summary_data: dict[str, Modes | Buckling] = {} if found is None else {MODES: found}
+    summary_data: dict[str, PlateModes | Buckling] = {} if found is None else {MODES: found}
     summary_data |= {buckling_key(name): each for name, each in buckled.items()}
     return {
         name: ShapeReport(each.errors, [n for n in each.notes if n not in said])
@@ -107,7 +107,7 @@ def _shape_reports(
 
 
 def _halved_shapes(
-    shapes: dict[str, ShapeReport], found: Modes | None, buckled: Mapping[str, Buckling], finer: Problem
+    shapes: dict[str, ShapeReport], found: PlateModes | None, buckled: Mapping[str, Buckling], finer: Problem
 ) -> dict[str, ShapeReport]:
     pairs = {} if found is None else {MODES: halved_modes(found, finer)}
     pairs |= {

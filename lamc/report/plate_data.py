@@ -6,7 +6,7 @@ In: a `PlateReport`. Out: numbers, strings, lists and maps. Never: files.
 from typing import Any
 
 from lamc.plates.answers.failure import PlateFailure
-from lamc.plates.answers.modes import Modes
+from lamc.plates.answers.modes import PlateModes
 from lamc.plates.laminates.laminate import Laminate
 from lamc.report.plate_records import MODES, CaseReport, PlateReport, ShapeReport, buckling_key
 from lamc.report.plate_text import angles, by_region
@@ -155,7 +155,7 @@ def _shape_data(shape: ShapeReport, count: int | None = None) -> dict[str, Any]:
     }
 
 
-def _modes_data(modes: Modes) -> dict[str, Any]:
+def _modes_data(modes: PlateModes) -> dict[str, Any]:
     return {
         "frequencies": modes.frequencies.tolist(),
         "modal_mass": modes.modal_mass.tolist(),

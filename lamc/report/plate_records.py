@@ -14,7 +14,7 @@ from lamc.plates.answers.convergence import QuantityError
 from lamc.plates.answers.corner_fields import CornerFields, Extreme
 from lamc.plates.answers.estimate import ErrorEstimate
 from lamc.plates.answers.failure import PlateFailure
-from lamc.plates.answers.modes import Modes
+from lamc.plates.answers.modes import PlateModes
 from lamc.plates.answers.shape_pairs import ShapePair
 from lamc.plates.answers.solution import Solution
 from lamc.plates.problem import Problem
@@ -95,7 +95,7 @@ class PlateReport:
     source: str
     problem: Problem
     cases: Sequence[CaseReport]
-    modes: Modes | None
+    modes: PlateModes | None
     buckling: Mapping[str, Buckling]
     times: Times
     errors: Sequence[LamcError] = ()

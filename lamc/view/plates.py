@@ -13,7 +13,7 @@ import numpy as np
 
 from lamc.basics.checks import Array
 from lamc.plates.answers.corner_fields import CornerFields, corner_fields
-from lamc.plates.answers.modes import Modes
+from lamc.plates.answers.modes import PlateModes
 from lamc.plates.answers.shapes import Shapes
 from lamc.plates.answers.solution import Solution
 from lamc.plates.meshing.mesh import Mesh
@@ -111,7 +111,7 @@ def _case(solution: Solution, name: str, fields: CornerFields) -> Shape:
     return Shape(name, moved, found)
 
 
-def _modes(modes: Modes) -> list[Shape]:
+def _modes(modes: PlateModes) -> list[Shape]:
     return [
         _of_vector(modes, k, f"mode {k + 1}: {frequency:.5g} Hz", swings=True)
         for k, frequency in enumerate(modes.frequencies)

@@ -19,7 +19,7 @@ from lamc.cli import main
 from lamc.plate import Laminate, Material, Ply
 from lamc.plates.designs import hinges as design_hinges
 from lamc.plates.designs.hinges import with_material_stiffness
-from lamc.plates.records import HingeStiffness
+from lamc.plates.records import FilmStiffness
 from lamc.readers.load import load_text
 from lamc.records.design import Design
 
@@ -340,7 +340,7 @@ def test_command_line_refuses_in_one_line(tmp_path: Path, words: tuple[str, ...]
 
 
 def test_without_a_compiler_formulas_stand_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def no_compiler(laminate: Laminate, width: float, length: float, *, cells: int) -> HingeStiffness:
+    def no_compiler(laminate: Laminate, width: float, length: float, *, cells: int) -> FilmStiffness:
         if cells:
             raise BuildError("no C compiler was found")
         return plate.hinge_stiffness(laminate, width, length, cells=0)

@@ -50,6 +50,8 @@ def test_an_old_name_gives_the_same_object_and_the_new_name(module: str, name: s
         ("lamc.plate.Gravity", "lamc.plate.SelfWeight"),
         ("lamc.plate.Model", "lamc.plate.FactoredPlate"),
         ("lamc.plate.HingeTurn", "lamc.plates.records.HingeRotation"),
+        ("lamc.plate.Modes", "lamc.plates.records.PlateModes"),
+        ("lamc.plates.records.HingeStiffness", "lamc.plates.records.FilmStiffness"),
         *((f"lamc.plate.{name}", f"lamc.plates.records.{name}") for name in records.__all__),
     ],
 )
@@ -79,6 +81,7 @@ def test_the_door_to_plates_shows_what_users_call_and_make_and_no_records_of_res
 def test_no_name_means_two_things() -> None:
     """But `Material`, of a design's layer and of a ply: each is the field's word, and both names are fixed."""
     assert set(lamc.__all__) & set(plate.__all__) == {"Material"}
+    assert not set(records.__all__) & {*lamc.__all__, *plate.__all__}
     assert not {name.lower() for name in lamc.__all__} & {"plate", "plates"}
 
 

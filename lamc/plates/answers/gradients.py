@@ -22,7 +22,7 @@ import numpy as np
 from lamc.basics.checks import Array, checked_array, shown
 from lamc.basics.errors import DesignError, UnsupportedError
 from lamc.plates.answers.buckling import Buckling
-from lamc.plates.answers.modes import Modes
+from lamc.plates.answers.modes import PlateModes
 from lamc.plates.answers.pencil import is_in_plane
 from lamc.plates.answers.sensitivity import by_mass, by_resultants, by_sections, by_varying, by_weight
 from lamc.plates.answers.solution import Solution
@@ -52,7 +52,7 @@ class _Slopes:
 
 
 def gradient(
-    answer: Solution | Modes | Buckling, of: Of = "compliance", by: Sequence[str] | None = None
+    answer: Solution | PlateModes | Buckling, of: Of = "compliance", by: Sequence[str] | None = None
 ) -> dict[str, float]:
     """Derivatives of one number by ply variables.
 
@@ -67,10 +67,10 @@ def gradient(
     Raises DesignError for a number that the answer has not, for a repeated or zero frequency or factor, for a name that
     no ply variable has, and for buckling under forces of loads, which change with the plies themselves.
     """
-    if not isinstance(answer, Solution | Modes | Buckling):
+    if not isinstance(answer, Solution | PlateModes | Buckling):
         raise DesignError(
-            f"a gradient is asked of {shown(answer)}; it can be of a Solution (of cases, take one by name), of Modes "
-            "or of Buckling"
+            f"a gradient is asked of {shown(answer)}; it can be of a Solution (of cases, take one by name), of "
+            "PlateModes or of Buckling"
         )
     problem = answer.problem
     if problem.dofs.element.shear:
@@ -79,7 +79,7 @@ def gradient(
             "section; take 'dkt' where shear through the thickness matters little, or differences of two solutions"
         )
     wanted = _checked_names(problem, by)
-    if isinstance(answer, Modes):
+    if isinstance(answer, PlateModes):
         slopes = _of_frequency(answer, _checked_number(of, "omega", answer.omega, answer.rigid))
     elif isinstance(answer, Buckling):
         slopes = _of_factor(answer, _checked_number(of, "factor", answer.factors, ()))
@@ -90,7 +90,7 @@ def gradient(
     return _chained(problem, slopes, still, wanted)
 
 
-def _of_frequency(modes: Modes, k: int) -> _Slopes:
+def _of_frequency(modes: PlateModes, k: int) -> _Slopes:
     problem = modes.problem
     element = problem.dofs.element
     omega, vector = modes.omega[k], modes.vectors[:, k]

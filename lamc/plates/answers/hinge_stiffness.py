@@ -41,7 +41,7 @@ _EDGE = 3.0  # widths of strip at each end that are meshed finely: beyond, it be
 
 
 @dataclass(frozen=True)
-class HingeStiffness:
+class FilmStiffness:
     """N·m/rad, by each way."""
 
     plate_formula: float
@@ -64,7 +64,7 @@ class HingeStiffness:
         return "plate" if self.length >= self.width else "beam"
 
 
-def hinge_stiffness(laminate: Laminate, width: float, length: float, *, cells: int = CELLS) -> HingeStiffness:
+def hinge_stiffness(laminate: Laminate, width: float, length: float, *, cells: int = CELLS) -> FilmStiffness:
     """Of a strip `width` m from link to link (laminate axis x) and `length` m along the hinge's axis (y).
 
     cells  across the strip, for the finite elements; 0: formulas only
@@ -81,7 +81,7 @@ def hinge_stiffness(laminate: Laminate, width: float, length: float, *, cells: i
     # In units of the thickness, as for a deformation: the inverse does not depend on the unit of length.
     h = laminate.thickness
     compliance = np.linalg.inv(np.block([[A, B / h], [B / h, D / h**2]]))[3, 3] / h**2
-    return HingeStiffness(
+    return FilmStiffness(
         plate_formula=float((D[0, 0] - B[0, 0] ** 2 / A[0, 0]) * b / L),
         beam_formula=float(b / (L * compliance)),
         finite_element=_by_elements(laminate, _strip(L, b, cells)) if cells else None,

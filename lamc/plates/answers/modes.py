@@ -28,7 +28,7 @@ from lamc.plates.solving.system import system
 
 
 @dataclass(frozen=True, eq=False)
-class Modes(Shapes):
+class PlateModes(Shapes):
     """Modes in ascending order, the rigid motions of a free plate first, with frequency zero.
 
     omega           (k,) rad/s
@@ -50,7 +50,7 @@ class Modes(Shapes):
 
     def __repr__(self) -> str:
         found = ", ".join(f"{f:.4g}" for f in self.frequencies[:6]) + (", …" if len(self) > 6 else "")
-        return brief("Modes", "", f"{found} Hz" if len(self) else "none")
+        return brief("PlateModes", "", f"{found} Hz" if len(self) else "none")
 
     @property
     def frequencies(self) -> Array:
@@ -88,7 +88,7 @@ class Modes(Shapes):
         )
 
 
-def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) -> Modes:
+def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) -> PlateModes:
     """The `count` lowest modes of `problem`, rigid motions included.
 
     in_plane_inertia  False: nothing that moves in the plane has mass, as in textbooks' solutions for coupled laminates
@@ -116,7 +116,7 @@ def modes(problem: Problem, count: int = 6, *, in_plane_inertia: bool = True) ->
     shapes = np.hstack([heavy, vectors])[:, :wanted]
     effective = np.square((over.free @ shapes).T @ (whole @ translations(problem.dofs)))
     full, scale = over.normalised(shapes)
-    return Modes(
+    return PlateModes(
         problem=problem,
         vectors=full,
         omega=omega,

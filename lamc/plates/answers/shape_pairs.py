@@ -16,7 +16,7 @@ from scipy.optimize import linear_sum_assignment
 from lamc.basics.checks import Array
 from lamc.plates.answers.buckling import Buckling, buckling
 from lamc.plates.answers.convergence import QuantityError, error_of_values, halved
-from lamc.plates.answers.modes import Modes, modes
+from lamc.plates.answers.modes import PlateModes, modes
 from lamc.plates.answers.shapes import Shapes
 from lamc.plates.problem import Problem
 
@@ -34,7 +34,7 @@ class ShapePair:
     error: QuantityError | None
 
 
-def halved_modes(found: Modes, finer: Problem | None = None) -> tuple[ShapePair, ...]:
+def halved_modes(found: PlateModes, finer: Problem | None = None) -> tuple[ShapePair, ...]:
     """Of every mode that is no rigid motion, in Hz, by one more answer on halved cells, or of the problem `finer`."""
     problem = halved(found.problem) if finer is None else finer
     fine = modes(problem, _count(found, problem), in_plane_inertia=found.in_plane_inertia)

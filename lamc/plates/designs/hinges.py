@@ -19,7 +19,7 @@ from lamc.design.contact import free_parts
 from lamc.design.cutting import holes_per_layer
 from lamc.design.split import named_hinges
 from lamc.design.steps import Hinge
-from lamc.plates.answers.hinge_stiffness import HingeStiffness, hinge_stiffness
+from lamc.plates.answers.hinge_stiffness import FilmStiffness, hinge_stiffness
 from lamc.plates.designs.materials import plate_materials, ply_angle
 from lamc.plates.laminates.laminate import Laminate
 from lamc.plates.laminates.materials import Material
@@ -43,7 +43,7 @@ class MaterialHinge:
     material: Material
     angle: float | None  # degrees, from the direction across the hinge line to the fibres; None: isotropic
     thickness: float  # m
-    stiffness: HingeStiffness
+    stiffness: FilmStiffness
     note: str
 
 

@@ -220,7 +220,7 @@ def test_values_that_make_no_sense_are_refused_by_name(values: dict[str, float],
         ),
         ("w: length/4", "w: [1, 2]", "7:6: parameters.w: it is a list; write a number with its unit"),
         ("w: length/4", "w: true", "7:6: parameters.w: it is no number"),
-        ("w: length/4", "w:", "8:3: parameters.w: it is no number"),
+        ("w: length/4", "w:", "7:3: parameters.w: it is no number"),
         (
             "w: length/4",
             "w: {default: length/4, mni: 3}",

@@ -132,7 +132,7 @@ REFUSED = [
         "2:8: scene: a scene is a map, and it is 'a'; write {like: NAME}",
     ),
     ("scenes:\n  a: {}", "2:6: scenes.a: the scene says nothing; give effects, angles"),
-    ("scenes:\n  a:", "2:5: scenes.a: a map of keys and values is expected here"),
+    ("scenes:\n  a:", "2:3: scenes.a: a map of keys and values is expected here"),
     ("scene: {}", "1:8: scene: the scene says nothing"),
     ("scenes:\n  a b: {duration: 1}", "2:8: scenes.a b: 'a b' is no name of a scene"),
     ("scenes:\n  a: {duration: 1}\n  a: {duration: 2}", "3:3: the key 'a' stands twice"),
@@ -144,7 +144,7 @@ REFUSED = [
     ("scenes:\n  a: {duration: 3 m}", "2:17: scenes.a.duration: 'm' is not a unit of duration"),
     (
         "scenes:\n  a: {effects: {gravty: }}",
-        "2:24: scenes.a.effects.gravty: no effect is named 'gravty'; did you mean 'gravity'?",
+        "2:17: scenes.a.effects.gravty: no effect is named 'gravty'; did you mean 'gravity'?",
     ),
     (
         "scenes:\n  a: {with: {joint_limits: {stifness: 1}}}",
@@ -173,7 +173,7 @@ REFUSED = [
     ("scenes:\n  a: {without: 3}", "2:16: scenes.a.without: without takes names of effects"),
     (
         "scenes:\n  a: {with: {gravity: }, without: gravity}",
-        "2:22: scenes.a.with.gravity: the scene adds 'gravity' and is to be without it",
+        "2:14: scenes.a.with.gravity: the scene adds 'gravity' and is to be without it",
     ),
     ("scenes:\n  a: {effects: [gravity, gravity]}", "2:6: scenes.a: the scene calls for Gravity twice"),
     ("scenes:\n  a: {effects: gravity}", "2:16: scenes.a.effects: effects are a map from name to value"),

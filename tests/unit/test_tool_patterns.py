@@ -76,5 +76,7 @@ def test_a_sheet_that_nothing_folds_is_told_and_bends_where_it_may(tmp_path: Pat
 
 
 def test_three_facets_at_an_edge_are_refused_with_their_place(tmp_path: Path) -> None:
-    with pytest.raises(DesignError, match=r"faces 0 and 2 .* edge from vertex 1 to 4"):
+    with pytest.raises(
+        DesignError, match=r"the edge from vertex 1 to 4 has 3 faces, 0, 1, 2: an edge joins two"
+    ):
         loaded(tmp_path, three_at_an_edge())

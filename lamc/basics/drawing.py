@@ -18,7 +18,7 @@ def tell(places: Mapping[tuple[str, str], str]) -> None:
     _places.update(places)
 
 
-def told() -> Mapping[tuple[str, str], str]:
+def registered() -> Mapping[tuple[str, str], str]:
     """All entries."""
     return dict(_places)
 

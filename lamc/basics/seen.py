@@ -39,4 +39,4 @@ class Viewable:
 def _kind(record: object, verb: str) -> str:
     """The nearest class of the record of which `drawing` knows the verb."""
     names = [each.__name__ for each in type(record).__mro__]
-    return next((name for name in names if (name, verb) in drawing.told()), names[0])
+    return next((name for name in names if (name, verb) in drawing.registered()), names[0])

@@ -33,7 +33,7 @@ class Times:
             logger.debug("%s: %.3g s", name, taken)
 
     @contextmanager
-    def told(self, progress: Observer | bool | None) -> Iterator[None]:
+    def reported_to(self, progress: Observer | bool | None) -> Iterator[None]:
         """Tells `progress` of stages too while it lasts; True: a bar."""
         if not progress:
             yield

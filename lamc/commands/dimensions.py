@@ -63,9 +63,9 @@ def of_run(texts: Mapping[str, str], units: Mapping[str, str], known: Sequence[s
     return values
 
 
-def told(record: Design | Mechanism) -> Mapping[str, DesignParameter]:
+def declared(record: Design | Mechanism) -> Mapping[str, DesignParameter]:
     """Parameters that the file declares, or that were set; not those that every drawing has."""
-    return record.origin.recipe.told if record.origin is not None else {}
+    return record.origin.recipe.listed if record.origin is not None else {}
 
 
 def given(record: Design | Mechanism) -> Mapping[str, float]:

@@ -57,7 +57,7 @@ def export(order: ExportOrder, terminal: Terminal) -> int:
     lines += [
         f"{'files' if k == 0 else '':<10}{path:<32} {_size(n)}" for k, (path, n) in enumerate(sizes.items())
     ]
-    told = TARGETS[order.target].told(files)
+    told = TARGETS[order.target].notes(files)
     lines += told
     if effects is not None:
         is_listed = order.options.lossy and "README.md" in files

@@ -232,7 +232,7 @@ def _data(best: Best, loaded: Loaded) -> dict[str, Any]:
         "front": None
         if best.on_front is None
         else [
-            {"parameters": best.problem.space.told(t.point), "goals": list(t.goals)}
+            {"parameters": best.problem.space.values_at(t.point), "goals": list(t.goals)}
             for t in (best.problem.trials[k] for k in best.on_front)
         ],
     }

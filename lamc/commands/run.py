@@ -15,7 +15,7 @@ from lamc.basics.errors import DesignWarning, LamcError, SimulationError
 from lamc.basics.files import write_text
 from lamc.basics.renewal import digests, renewed
 from lamc.basics.times import Times
-from lamc.commands.dimensions import given, of_run, told
+from lamc.commands.dimensions import declared, given, of_run
 from lamc.commands.inputs import (
     Loaded,
     SceneChanges,
@@ -220,7 +220,7 @@ def _report(made: _Made, times: Times, scene: str | None, remarks: tuple[str, ..
         remarks=remarks,
         enough=made.enough,
         facets=made.facets,
-        dimensions=told(loaded.record),
+        dimensions=declared(loaded.record),
         given=given(loaded.record),
     )
 

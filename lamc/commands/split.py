@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from lamc.basics.errors import DesignError
 from lamc.basics.renewal import renewed
 from lamc.basics.times import Times
-from lamc.commands.dimensions import told
+from lamc.commands.dimensions import declared
 from lamc.commands.hinge_choice import account_of
 from lamc.commands.inputs import Source, folder_name, load_source, output_folder
 from lamc.commands.terminal import Progress, Terminal
@@ -59,7 +59,7 @@ def split(source: Source, out: str | None, terminal: Terminal) -> int:
             files.append(reported)
             write_mechanism(mechanism, staged / reported)
     text = split_text(mechanism, notes)
-    parameters = told(loaded.record)
+    parameters = declared(loaded.record)
     data = split_data(mechanism, notes)
     loops, data["loops"] = _loops(mechanism, large=source.options.large)
     drawn = named_hinges(loaded.record) if isinstance(loaded.record, Design) else ()

@@ -32,7 +32,7 @@ Exported: TypeAlias = Union[Design, Mechanism, "Result", "PlateFile", "Problem"]
 
 
 class Making(Protocol):
-    """What the module of a target has to have; it may have `told(files)` too, lines for the command line."""
+    """What the module of a target has to have; it may have `notes(files)` too, lines for the command line."""
 
     def files(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> Files:
         """The export itself: pure but for temporary files of a compiler."""
@@ -68,9 +68,9 @@ class Target:
         check_used(options, self.name, self.uses, _uses())
         return self.making.files(mechanism, scene, options)
 
-    def told(self, files: Files) -> list[str]:
+    def notes(self, files: Files) -> list[str]:
         """What the command line says of the files beside their names."""
-        tell = getattr(self.making, "told", None)
+        tell = getattr(self.making, "notes", None)
         return tell(files) if tell else []
 
     def effects(self, mechanism: Mechanism, scene: Scene, options: ExportOptions) -> list[str] | None:

@@ -54,7 +54,7 @@ def files(mechanism: Mechanism, scene: Scene, options: ExportOptions) -> dict[st
     return _sheet(mechanism, options)
 
 
-def told(files: Mapping[str, bytes]) -> list[str]:
+def notes(files: Mapping[str, bytes]) -> list[str]:
     """What the command line prints of an export: areas, masses, how they compare, notes."""
     data = json.loads(files[REPORT])
     lines = [
@@ -82,9 +82,9 @@ def _laminate(design: Design, options: ExportOptions) -> dict[str, bytes]:
     notes = [*plan.notes, *_not_here(design.mends)]
     drawn: list[list[CutLine]] = []
     for layer in plan.layers:
-        lines, told_of = lines_of(layer, options.kerf) if layer.parts.geoms else ([], [])
+        lines, about_kerf = lines_of(layer, options.kerf) if layer.parts.geoms else ([], [])
         drawn.append(lines)
-        notes += told_of if lines else [f"layer {layer.layer.name!r} has no parts, and no file"]
+        notes += about_kerf if lines else [f"layer {layer.layer.name!r} has no parts, and no file"]
     stock = _stock([line for lines in drawn for line in lines], options)
     width = len(str(len(plan.layers)))
     made: dict[str, bytes] = {}

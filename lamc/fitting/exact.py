@@ -44,7 +44,7 @@ class Exact:
         return self._own + self._plain.count
 
     @property
-    def told(self) -> str:
+    def derivatives_by(self) -> str:
         return "those of the variational equations" if not self.notes else "differences of runs, where noted"
 
     @property

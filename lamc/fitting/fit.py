@@ -184,7 +184,7 @@ def answer(predictor: Predictor, solved: Solved, loss: str) -> Fit:
         message=solved.message,
         notes=tuple(notes),
         runs=predictor.runs.count,
-        derivatives=predictor.runs.told,
+        derivatives=predictor.runs.derivatives_by,
         compared=compared,
         setting=setting,
         predictor=predictor,

@@ -75,7 +75,7 @@ class Runs(Protocol):
         """Runs that were made."""
 
     @property
-    def told(self) -> str:
+    def derivatives_by(self) -> str:
         """How derivatives are had."""
 
     @property
@@ -117,7 +117,7 @@ class Differences:
         self._rtol, self._atol, self._max_steps = rtol, atol, max_steps
 
     @property
-    def told(self) -> str:
+    def derivatives_by(self) -> str:
         return "differences of runs, of fourth order at the end"
 
     @property

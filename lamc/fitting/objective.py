@@ -196,7 +196,7 @@ def first_sigmas(predictor: Predictor) -> list[Array]:
     return found
 
 
-def told_sigmas(predictor: Predictor, predictions: list[Prediction], sigmas: list[Array]) -> list[Array]:
+def residual_sigmas(predictor: Predictor, predictions: list[Prediction], sigmas: list[Array]) -> list[Array]:
     """The same, of what is left of each group."""
     groups = groups_of(predictor)
     left: dict[str, list[Array]] = {}

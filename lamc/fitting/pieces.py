@@ -42,8 +42,8 @@ class Pieces:
         return self._runs.count // max(1, max(len(each) for each in self.edges) + 1)
 
     @property
-    def told(self) -> str:
-        return self._runs.told
+    def derivatives_by(self) -> str:
+        return self._runs.derivatives_by
 
     @property
     def known_to(self) -> float:

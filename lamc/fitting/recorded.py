@@ -92,7 +92,7 @@ def run_of(
             notes.append(f"{name}: {lost} rows are not compared, as they may lie before the start of the run")
     if not rows.any() or float(t[-1]) - earliest <= begin:
         raise RequestError(f"{name} has no rows within its run, which starts at {begin:g} s of its clock")
-    recording, sight = _told(recording, sight, rows, notes)
+    recording, sight = _without_empty(recording, sight, rows, notes)
     numbers: dict[str, float] = {f"{name}.delay": delay}
     units = _units_of(simulator, sight)
     for key, given in sight.numbers.items():
@@ -133,7 +133,9 @@ def run_of(
     return Run(recording, name, sight, rows, begin, angles, rates, followed, numbers), own
 
 
-def _told(recording: Recording, sight: Sight, rows: Rows, notes: list[str]) -> tuple[Recording, Sight]:
+def _without_empty(
+    recording: Recording, sight: Sight, rows: Rows, notes: list[str]
+) -> tuple[Recording, Sight]:
     """The recording without columns that hold nothing, which are noted. Raises RequestError where all are empty."""
     empty = [c for c in sight.columns if not np.isfinite(recording.values[c][rows]).any()]
     if not empty:

@@ -206,7 +206,9 @@ def _begun(run: Run, task: Task, rows: Array, inner: Array, delay: float) -> lis
     loops make of the others follows from piece to piece, so that all count the same turns and stand on one branch."""
     simulator, motion = task.simulator, task.simulator.model.motion(task.parameters)
     nu = len(simulator.coordinates)
-    told = [_told(run, simulator.joints, y, float(t) + delay) for y, t in zip(rows, inner, strict=True)]
+    told = [
+        _as_recorded(run, simulator.joints, y, float(t) + delay) for y, t in zip(rows, inner, strict=True)
+    ]
     recorded = [j for j, joint in enumerate(simulator.joints) if joint in run.recording.values]
     if not simulator.cut_joints:
         return [Chart(y, tuple(range(nu))) for y in told]
@@ -222,7 +224,7 @@ def _begun(run: Run, task: Task, rows: Array, inner: Array, delay: float) -> lis
     return found
 
 
-def _told(run: Run, joints: tuple[str, ...], y: Array, time: float) -> Array:
+def _as_recorded(run: Run, joints: tuple[str, ...], y: Array, time: float) -> Array:
     """A state (n,), in which what columns tell at a time of their clock is as they have it."""
     found = y.copy()
     for j, joint in enumerate(joints):

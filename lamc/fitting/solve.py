@@ -12,7 +12,7 @@ import numpy as np
 
 from lamc.basics.errors import LamcError, RequestError, SimulationError
 from lamc.fitting.neighbours import likeness
-from lamc.fitting.objective import Objective, Weighed, groups_of, told_sigmas
+from lamc.fitting.objective import Objective, Weighed, groups_of, residual_sigmas
 from lamc.fitting.trust import Box, minimise
 from lamc.fitting.unknowns import Unknowns
 from lamc.run.request import Array
@@ -205,7 +205,7 @@ def _weighted(objective: Objective, begin: Array, loss: str, max_steps: int) -> 
             break
         at = found.inner if found.back is None else found.back
         predictions = found.objective.predictions(at, sloped=False, loosely=found.back is not None)
-        sigmas = told_sigmas(objective.predictor, predictions, found.objective.sigmas)
+        sigmas = residual_sigmas(objective.predictor, predictions, found.objective.sigmas)
         change = max(
             float(np.max(np.abs(np.log(new / old))))
             for new, old in zip(sigmas, found.objective.sigmas, strict=True)

@@ -55,7 +55,7 @@ def compile(  # noqa: A001  the public name is lamc.compile
     _check_arguments(design, scene, options, times)
     options = options or CompileOptions()
     times = times or Times()
-    with times.told(progress):
+    with times.reported_to(progress):
         if isinstance(design, Design):
             with times.stage("split"):
                 mechanism = split(design)

@@ -55,7 +55,7 @@ class AsSuch(ABC):
         )
 
     @property
-    def told(self) -> Mapping[str, DesignParameter]:
+    def listed(self) -> Mapping[str, DesignParameter]:
         return {name: each for name, each in self.parameters.items() if name in self.given}
 
     def made(self, values: Mapping[str, float]) -> Any:

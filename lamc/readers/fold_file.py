@@ -76,7 +76,7 @@ class FoldFrame:
         kept = len(self.numbers)
         return self.numbers[edge] if edge < kept else self.numbers[-1] + edge - kept + 1
 
-    def told(self, numbers: Sequence[int]) -> str:
+    def edges_named(self, numbers: Sequence[int]) -> str:
         """Edges as messages name them."""
         if self.sources:
             return listed_names(list(dict.fromkeys(self.sources[k] for k in numbers)))

@@ -36,14 +36,16 @@ def joined_edges(frame: FoldFrame, beside: Beside, notes: list[str]) -> list[int
     inner = [k for k, (a, b) in enumerate(beside) if kinds[k] == "B" and a is not None and b is not None]
     if inner:
         named = "drawn as outlines" if frame.sources else "marked B"
-        notes.append(f"{frame.told(inner)} {named} with a facet on either side: taken for cuts (C)")
+        notes.append(f"{frame.edges_named(inner)} {named} with a facet on either side: taken for cuts (C)")
     rim = [k for k, pair in enumerate(beside) if kinds[k] in "MV" and (pair[0] is None) != (pair[1] is None)]
     if rim:
         named = "drawn as creases" if frame.sources else "marked M or V"
-        notes.append(f"{frame.told(rim)} {named} with a facet on one side only: taken for the rim (B)")
+        notes.append(f"{frame.edges_named(rim)} {named} with a facet on one side only: taken for the rim (B)")
     alone = [k for k, pair in enumerate(beside) if pair == (None, None)]
     if alone and frame.faces is not None:  # where facets are looked for, what parts none is told there
-        notes.append(f"{frame.told(alone)}: beside no facet that the file lists; left out, and no hinge")
+        notes.append(
+            f"{frame.edges_named(alone)}: beside no facet that the file lists; left out, and no hinge"
+        )
     return joined
 
 
@@ -68,7 +70,7 @@ def grouped(
             union.join(faces[0], face)
     bent = [k for k in joined if kinds[k] in "FJ" and abs(angles.get(k, 0.0)) > _FLAT]
     if bent:
-        notes.append(f"{frame.told(bent)} marked F or J, and folded: taken for hinges")
+        notes.append(f"{frame.edges_named(bent)} marked F or J, and folded: taken for hinges")
     for k in joined:
         if kinds[k] in "FJ" and k not in bent:
             union.join(*pair_of(beside, k))
@@ -85,13 +87,13 @@ def grouped(
             break
         notes.append(
             "two facets that meet along lines at an angle cannot turn and are one body: "
-            + listed_names([f"F{a} and F{b} ({frame.told(creases[(a, b)])})" for a, b in askew])
+            + listed_names([f"F{a} and F{b} ({frame.edges_named(creases[(a, b)])})" for a, b in askew])
         )
         for a, b in askew:
             union.join(a, b)
     within = sorted(set(hinged) - {k for found in creases.values() for k in found})
     if within:
-        notes.append(f"{frame.told(within)} with one body on either side: no hinges")
+        notes.append(f"{frame.edges_named(within)} with one body on either side: no hinges")
     made = [Crease(tuple(found), pair) for pair, found in creases.items()]
     return [union.find(face) for face in range(len(corners))], sorted(made, key=lambda c: c.edges)
 

@@ -81,7 +81,7 @@ class Hinges:
                 f"{what} {CREASE:g} N*mm/rad for each mm (--crease '{CREASE:g} N*mm/mm/rad' says another)"
             )
         if self._mixed:
-            counting = self.frame.told(list(self._mixed.values()))
+            counting = self.frame.edges_named(list(self._mixed.values()))
             self.notes.append(
                 f"{listed_names(list(self._mixed))}: pieces of one hinge are marked differently; {counting} "
                 f"{'counts' if len(self._mixed) == 1 else 'count'}, as most of it is marked"

@@ -47,10 +47,10 @@ def lines_of(frame: FoldFrame, options: SheetOptions, stem: str, file: str) -> D
         notes.append(f"{fault.partition(':')[0]}: edges are healed as lines of a drawing are")
     points = [k for k, (a, b) in enumerate(frame.edges) if not np.any(frame.vertices[a] - frame.vertices[b])]
     if points:
-        notes.append(f"{frame.told(points)} left out: no length")
+        notes.append(f"{frame.edges_named(points)} left out: no length")
     joined = [k for k, kind in enumerate(frame.kinds) if kind == "J"]
     if joined:
-        notes.append(f"{frame.told(joined)} marked J: read as F, along which facets may bend")
+        notes.append(f"{frame.edges_named(joined)} marked J: read as F, along which facets may bend")
     scale = unit_of(frame, options, notes)
     strokes = tuple(
         Stroke(

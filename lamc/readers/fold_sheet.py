@@ -200,8 +200,8 @@ class _Sheet:
         level = [k for k in drawn if frame.kinds[k] == "F"]
         if level:
             self.notes.append(
-                f"nothing folds: {frame.told(level)} flat (F), so that facets are one body; mark creases M, V or U, or "
-                "let facets bend along them (--facets bend)"
+                f"nothing folds: {frame.edges_named(level)} flat (F), so that facets are one body; mark creases "
+                "M, V or U, or let facets bend along them (--facets bend)"
             )
         elif not drawn and not frame.own:
             how = "red for mountains, blue for valleys" if frame.sources else "M, V or U"
@@ -282,8 +282,8 @@ class _Sheet:
         ]
         if level:
             self.notes.append(
-                f"{self.frame.told(level)}: the fold angle is left out, as edges marked F or J do not fold; mark M, V "
-                "or U"
+                f"{self.frame.edges_named(level)}: the fold angle is left out, as edges marked F or J do not fold; "
+                "mark M, V or U"
             )
 
     def _lock(self, joined: list[int]) -> None:
@@ -293,8 +293,8 @@ class _Sheet:
         self.drawn = sum(self.frame.kinds[k] in CREASED for k in joined)
         if told:
             self.notes.append(
-                f"{self.frame.told(told)}: no hinge, as at one end all creases lie to one side of a line, and rigid "
-                "facets stay flat there"
+                f"{self.frame.edges_named(told)}: no hinge, as at one end all creases lie to one side of a line, and "
+                "rigid facets stay flat there"
             )
         kinds = "".join("F" if k in locked else kind for k, kind in enumerate(self.frame.kinds))
         self.frame = replace(self.frame, kinds=kinds)

@@ -55,7 +55,7 @@ class Document:
         return self.declared.records(self.declared.values(self.given))
 
     @property
-    def told(self) -> Mapping[str, DesignParameter]:
+    def listed(self) -> Mapping[str, DesignParameter]:
         return self.parameters
 
     @cached_property

@@ -93,13 +93,13 @@ class Drawings:
     ) -> Sequence[Line]:
         """Hinge lines of an entry, those that stop short of the edge of the material within its tolerance, drawn on to
         that; what was mended is told, and added to `mends`."""
-        from lamc.readers.drawings.layer_shape import lengthened, told_of, tolerance_of
+        from lamc.readers.drawings.layer_shape import lengthened, mend_notes_of, tolerance_of
 
         drawing = self._drawing(entry, "hinge", place)
         found, made = lengthened(lines, material, tolerance_of(drawing, entry.heal))
         x, y = entry.at
         in_drawing = [replace(mend, at=(mend.at[0] - x, mend.at[1] - y)) for mend in made]
-        for note in told_of(in_drawing, entry.heal, drawing):
+        for note in mend_notes_of(in_drawing, entry.heal, drawing):
             warn(f"{entry.file}: {note}", place)
         mends += [replace(mend, source=f"{entry.file}: {mend.source}") for mend in made]
         return found
@@ -113,7 +113,7 @@ class Drawings:
         return found
 
     def _taken(self, take: Any, role: Role, entry: DrawnModel, place: Place) -> tuple[Any, Sequence[Mend]]:
-        from lamc.readers.drawings.layer_shape import told_of
+        from lamc.readers.drawings.layer_shape import mend_notes_of
 
         try:
             drawing = self._drawing(entry, role, place)
@@ -121,7 +121,7 @@ class Drawings:
         except LamcError as error:
             said = error.message if error.message.startswith(entry.file) else f"{entry.file}: {error.message}"
             raise DesignError(in_keys(said)) from error
-        for note in told_of(mends, entry.heal, drawing):
+        for note in mend_notes_of(mends, entry.heal, drawing):
             warn(f"{entry.file}: {note}", place)
         return found, [replace(mend, source=f"{entry.file}: {mend.source}") for mend in mends]
 

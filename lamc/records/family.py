@@ -90,7 +90,7 @@ class _Member:
         return {name: each.default for name, each in self.parameters.items()}
 
     @property
-    def told(self) -> Mapping[str, DesignParameter]:
+    def listed(self) -> Mapping[str, DesignParameter]:
         return self.parameters
 
     def made(self, values: Mapping[str, float]) -> Any:

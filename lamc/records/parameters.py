@@ -10,7 +10,7 @@ from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from lamc.basics.brief import brief
 from lamc.basics.checks import checked_number, did_you_mean, shown
-from lamc.basics.drawing import drawer, told
+from lamc.basics.drawing import drawer, registered
 from lamc.basics.errors import DesignError, Place
 from lamc.basics.given import GivenMaybe, GivenNumber
 from lamc.basics.readonly import ReadOnlyDict
@@ -102,7 +102,7 @@ class Recipe(Protocol):
         """Those values, SI, that were set: with them the record is made again to the last bit."""
 
     @property
-    def told(self) -> Mapping[str, DesignParameter]:
+    def listed(self) -> Mapping[str, DesignParameter]:
         """Those of which a summary of the record tells."""
 
     def made(self, values: Mapping[str, float]) -> Any:
@@ -163,7 +163,7 @@ class _Nothing:
 
     parameters: Mapping[str, DesignParameter] = ReadOnlyDict({})
     given: Mapping[str, float] = ReadOnlyDict({})
-    told = parameters
+    listed = parameters
 
     def made(self, values: Mapping[str, float]) -> Any:
         raise AssertionError(values)
@@ -180,7 +180,7 @@ def _recipe(record: Varied) -> Recipe:
     if record.origin is not None:
         return record.origin.recipe
     place = (type(record).__name__, "vary")
-    found: Recipe = drawer(*place)(record) if place in told() else _NOTHING
+    found: Recipe = drawer(*place)(record) if place in registered() else _NOTHING
     return found
 
 

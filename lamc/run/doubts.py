@@ -12,7 +12,7 @@ import numpy as np
 from lamc.basics.threads import on_one_thread
 from lamc.loops.linear import DENSE, Linear
 from lamc.run.methods import IMPLICIT
-from lamc.run.unresolved import Modes, Steps, told
+from lamc.run.unresolved import Modes, Steps, unresolved_note
 
 if TYPE_CHECKING:
     from lamc.records.mechanism import Array
@@ -43,7 +43,7 @@ def _no_derivative(result: "Result") -> list[str]:
     if found.lost is not None:
         lines.append(f"there is no derivative from t = {found.lost.t:.6g} s on: {found.lost.reason}")
     if (longest := _too_long(result)) is not None:
-        lines.append(told(longest, result.stats.integrator))
+        lines.append(unresolved_note(longest, result.stats.integrator))
     if (horizon := found.horizon(result)) is not None:
         lines.append(
             f"from t = {horizon[0]:.4g} s on a change of {horizon[1]} by the run's tolerance moves the state by more "

@@ -24,7 +24,7 @@ from lamc.run.result import Result
 from lamc.run.run_record import Event, Provenance, RunStats
 from lamc.run.sensitivities import Differentiated
 from lamc.run.taping import Tape
-from lamc.run.unresolved import Modes, Steps, is_affordable, longest_step, told
+from lamc.run.unresolved import Modes, Steps, is_affordable, longest_step, unresolved_note
 
 logger = logging.getLogger("lamc")
 
@@ -110,7 +110,7 @@ class Running(Extended):
                 used_then, found = integrators.integrate(name, tape.motion, again)
                 if found.status in (Status.REACHED_END, Status.CANCELLED):
                     return used_then, found, again
-        warn(told(longest, used))
+        warn(unresolved_note(longest, used))
         return used, trajectory, request
 
     def _circumstances(self, motion: Motion) -> tuple[Provenance, tuple[PlaneMark, ...]]:

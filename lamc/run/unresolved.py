@@ -105,7 +105,7 @@ def is_affordable(longest: float, span: float, most: int) -> bool:
     return span <= min(_MOST_STEPS, _OF_ALLOWED * most) * longest
 
 
-def told(longest: float, integrator: str) -> str:
+def unresolved_note(longest: float, integrator: str) -> str:
     """That derivatives may be off, and the way out."""
     return (
         f"steps of {integrator} are too long for derivatives of modes that do not move here, and errors of the state "

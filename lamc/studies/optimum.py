@@ -108,7 +108,7 @@ class Best:
         trials = [self.problem.trials[k] for k in which]
         columns: dict[str, tuple[str, Any, dict[str, str]]] = {}
         for k, variable in enumerate(self.problem.space.variables):
-            told = [variable.told(trial.point[k]) for trial in trials]
+            told = [variable.value_of(trial.point[k]) for trial in trials]
             columns[variable.name] = ("run", np.array(told), {"units": variable.unit})
         for goal, column in self._goals().items():
             columns[goal] = ("run", column[list(which)], {"units": self._unit(goal)})
@@ -140,7 +140,7 @@ class Best:
             writer = csv.writer(stream, lineterminator="\n")
             writer.writerow(["run", *heads, "structure", "status", "reason", "stage"])
             for t, structure in zip(self.problem.trials, self.structures.tolist(), strict=True):
-                told = self.problem.space.told(t.point).values()
+                told = self.problem.space.values_at(t.point).values()
                 ended = (structure, t.status, t.reason, t.stage)
                 writer.writerow([t.index, *told, *t.goals, *t.constraints, *ended])
         return path

@@ -57,7 +57,7 @@ def row_slope(samples: Samples, index: int) -> Array:
 def highest_slope(samples: Samples) -> Array:
     """Of the largest value: where it is stays out of it, as the slope there is zero, or the row it is at stays."""
     value, at = highest(samples)
-    return at_slope(samples, _told(at, value))
+    return at_slope(samples, _finite(at, value))
 
 
 def lowest_slope(samples: Samples) -> Array:
@@ -71,7 +71,7 @@ def at_slope(samples: Samples, moment: float) -> Array:
 
 def highest_time_slope(samples: Samples) -> Array:
     """Of the time of the largest value."""
-    moment = _told(highest(samples)[1])
+    moment = _finite(highest(samples)[1])
     slopes, bends = (_weights(samples, moment, order) for order in (1, 2))
     bend = float(bends @ samples.y)
     if _is_row(samples, moment) or not bend < 0.0:
@@ -87,14 +87,14 @@ def lowest_time_slope(samples: Samples) -> Array:
 
 def crossing_slope(samples: Samples) -> Array:
     """Of the first time above zero."""
-    moment = _told(first_above(samples))
+    moment = _finite(first_above(samples))
     rate = float(_weights(samples, moment, 1, before=True) @ samples.y)
     if moment <= samples.t[0] or not rate > 0.0:
         raise NoSlopeError("the time of what holds from the start on, or jumps, has no derivative")
     return -_weights(samples, moment, 0, before=True) / rate
 
 
-def _told(*numbers: float) -> float:
+def _finite(*numbers: float) -> float:
     if not all(math.isfinite(number) for number in numbers):
         raise NoSlopeError("a measure that is no number has no derivative")
     return numbers[0]

@@ -79,7 +79,7 @@ class Variable:
         span = self.number(place) * math.log(self.high / self.low) if self.log else self.high - self.low
         return abs(span)
 
-    def told(self, number: float) -> Value:
+    def value_of(self, number: float) -> Value:
         """A number as users know it: a word where there are words."""
         return self.levels[int(number)] if self.has_words else number
 
@@ -109,8 +109,8 @@ class Space:
         """Values by name, SI, of all but words."""
         return {v.name: x for v, x in zip(self.variables, point, strict=True) if not v.has_words}
 
-    def told(self, point: Sequence[float]) -> dict[str, Value]:
-        return {v.name: v.told(x) for v, x in zip(self.variables, point, strict=True)}
+    def values_at(self, point: Sequence[float]) -> dict[str, Value]:
+        return {v.name: v.value_of(x) for v, x in zip(self.variables, point, strict=True)}
 
 
 def space_of(vary: object, targets: Mapping[str, Target], words: Mapping[str, tuple[str, ...]]) -> Space:

@@ -65,9 +65,9 @@ class Strategy:
         optimum, verdict = walk.optimum, walk.verdict
         if stopped or verdict is None:
             verdict, optimum = Verdict(False, stopped), None
-        return self._told(problem, optimum, verdict, best, walk, trier)
+        return self._optimum_of(problem, optimum, verdict, best, walk, trier)
 
-    def _told(
+    def _optimum_of(
         self,
         problem: Problem,
         optimum: Optimum | None,
@@ -83,7 +83,7 @@ class Strategy:
         multipliers, active = active_of(problem, optimum) if is_known and optimum else ({}, ())
         curvature, directions = curvature_of(problem, optimum) if is_known and optimum else (np.zeros(0),) * 2
         return Best(
-            parameters=problem.space.told(at.point),
+            parameters=problem.space.values_at(at.point),
             value=at.goals[0],
             values=at.goals,
             unit=problem.goal.unit,

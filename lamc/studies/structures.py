@@ -31,7 +31,7 @@ def numbered(digests: Mapping[int, str], count: int) -> Numbers:
     return found
 
 
-def told(subject: Subject, plan: Plan, structures: Numbers) -> tuple[str, ...]:
+def structure_notes(subject: Subject, plan: Plan, structures: Numbers) -> tuple[str, ...]:
     """Of each structure but the first, where it is met and what is another than in the first."""
     count = min(int(structures.max(initial=NONE)) + 1, MOST_TOLD)
     if count < 2:

@@ -21,7 +21,7 @@ from lamc.basics.files import replacing
 from lamc.run.request import Array
 from lamc.studies.bench import MISSING, OK, STATUSES, UNDEFINED, Row, Subject
 from lamc.studies.plans import Grid, Plan
-from lamc.studies.structures import NONE, Numbers, numbered, told
+from lamc.studies.structures import NONE, Numbers, numbered, structure_notes
 
 if TYPE_CHECKING:
     import xarray
@@ -197,7 +197,9 @@ def table_of(subject: Subject, plan: Plan, rows: Iterable[Row], design: str) -> 
             reasons[row.index] = row.reason
     named = dict(zip(subject.measures, values, strict=True))
     structures = numbered(digests, plan.count)
-    return Table(plan, units, named, statuses, reasons, design, structures, told(subject, plan, structures))
+    return Table(
+        plan, units, named, statuses, reasons, design, structures, structure_notes(subject, plan, structures)
+    )
 
 
 def is_usable(status: str) -> bool:

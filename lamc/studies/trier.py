@@ -65,7 +65,7 @@ class Trier:
         """The words of a point, and its numbers."""
         both = list(zip(self.space.variables, point, strict=True))
         return (
-            tuple(str(v.told(x)) for v, x in both if v.has_words),
+            tuple(str(v.value_of(x)) for v, x in both if v.has_words),
             tuple(x for v, x in both if not v.has_words),
         )
 

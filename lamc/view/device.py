@@ -84,7 +84,7 @@ def run_show(
         f"{len(mechanism.bodies)} bodies, {len(names)} hinges; {duration:g} s by {result.stats.integrator}"
     )
     failed = "" if result.success else result.message
-    said = (*([failed] if failed else []), _told(recording["error"], size), *_events_note(result))
+    said = (*([failed] if failed else []), _error_note(recording["error"], size), *_events_note(result))
     engine = "" if live is None else live.engine
     return Show(mechanism.name, facts, data, engine, (*said, *result.notes, *notes), failed)
 
@@ -162,7 +162,7 @@ def _within(motion: Any, size: float, budget: int) -> dict[str, Any]:
         tolerance *= 2.0
 
 
-def _told(error: Mapping[str, float], size: float) -> str:
+def _error_note(error: Mapping[str, float], size: float) -> str:
     return (
         f"Recorded to within {1e3 * error['length']:.2g} mm ({100 * error['length'] / size:.2g} % of the size) and, in "
         f"curves, {100 * error['share']:.2g} % of their range; numbers in full are in the files of lamc run."

@@ -23,7 +23,7 @@ from lamc.basics import yaml_text
 from lamc.basics.errors import DesignWarning, ExportError, UnsupportedError
 from lamc.design.split import split_steps
 from lamc.export import files_of
-from lamc.export.cut import told
+from lamc.export.cut import notes as notes_of
 from lamc.export.cuts.perforated import dashes_of
 from lamc.export.cuts.plan import difference, plan_of
 from lamc.export.options import options_from
@@ -167,7 +167,7 @@ def test_what_is_left_is_the_simulated_device(name: str) -> None:
     assert plan.largest_difference <= SAME
     for body in plan.drawn.bodies:
         assert plan.left.body(body.name).mass == pytest.approx(body.mass, rel=SAME)
-    assert "bodies that the cuts leave are those that are simulated" in "\n".join(told(cut(design)))
+    assert "bodies that the cuts leave are those that are simulated" in "\n".join(notes_of(cut(design)))
 
 
 def test_the_film_stays_whole_and_boards_are_cut() -> None:
@@ -201,7 +201,7 @@ def test_creases_of_a_layer_that_bends_by_itself_are_drawn_to_be_scored(kerf: fl
     assert np.allclose(
         scored, expected, rtol=0.0, atol=1e-12
     )  # m: round-off of mm, some 1e-17, and of pieces
-    assert "drawn to be scored (3 lines)" in "\n".join(told(made))
+    assert "drawn to be scored (3 lines)" in "\n".join(notes_of(made))
     assert not any(layer == "2_creases" for layer, _, _ in dxf_lines(cut(example("waterbomb"))["2_film.dxf"]))
     dashed = cut(design, hinge_style="perforated")
     assert {layer for layer, _, _ in dxf_lines(dashed["1_card.dxf"])} == {"1_holes", "2_slits", "3_outline"}
@@ -210,9 +210,9 @@ def test_creases_of_a_layer_that_bends_by_itself_are_drawn_to_be_scored(kerf: fl
 def test_boards_over_a_gap_are_told_and_cut_by_it_when_asked() -> None:
     design = example("waterbomb")
     as_drawn, by_gap = cut(design), cut(design, hinge_width="gap")
-    assert any("boards reach into the gap of" in line for line in told(as_drawn))
-    assert not any("boards reach" in line for line in told(by_gap))
-    assert any("not those that are simulated" in line for line in told(by_gap))
+    assert any("boards reach into the gap of" in line for line in notes_of(as_drawn))
+    assert not any("boards reach" in line for line in notes_of(by_gap))
+    assert any("not those that are simulated" in line for line in notes_of(by_gap))
     wide = parts(dxf_lines(by_gap["1_lower_board.dxf"]))
     for hinge_set in design.hinges:
         for hinge in hinge_set.lines:
@@ -240,7 +240,7 @@ def test_kerf_moves_outlines_out_and_holes_in() -> None:
             eaten = shapely.buffer(moved, -kerf / 2, join_style="mitre", mitre_limit=10.0)
             # 1e-6: offsets of the round caps, of some um at gaps' ends, are of their corners.
             assert shapely.symmetric_difference(eaten, drawn).area <= 1e-6 * drawn.area
-    assert told(plain)[:5] == told(made)[:5]  # areas and masses are those before the kerf
+    assert notes_of(plain)[:5] == notes_of(made)[:5]  # areas and masses are those before the kerf
 
 
 @pytest.mark.parametrize("name", ["flaps", "waterbomb", "folding_box", "five_bar", "kresling"])
@@ -269,7 +269,7 @@ def test_slits_narrower_than_the_kerf_are_cut_once_and_part_their_boards() -> No
     assert len(slits) == 2
     beam = shapely.union_all([shapely.buffer(line, kerf / 2) for line in slits])
     assert len(shapely.get_parts(shapely.difference(parts(lines), beam))) == 3
-    assert any("2 slits of hinges are no wider than the kerf of 500 um" in line for line in told(made))
+    assert any("2 slits of hinges are no wider than the kerf of 500 um" in line for line in notes_of(made))
 
 
 def test_a_gap_as_wide_as_the_kerf_is_cut_once() -> None:
@@ -324,9 +324,9 @@ def square_with_hole(width: float) -> Design:
 
 
 def test_holes_that_the_kerf_closes_are_told_with_their_place() -> None:
-    notes = told(cut(square_with_hole(0.05e-3), kerf="0.1 mm"))
+    notes = notes_of(cut(square_with_hole(0.05e-3), kerf="0.1 mm"))
     assert any("'board': narrower than the kerf, and not cut: (2.025, 3.5) mm" in line for line in notes)
-    assert not any("not cut" in line for line in told(cut(square_with_hole(0.5e-3), kerf="0.1 mm")))
+    assert not any("not cut" in line for line in notes_of(cut(square_with_hole(0.5e-3), kerf="0.1 mm")))
 
 
 def test_names_are_text_in_every_file() -> None:
@@ -482,8 +482,8 @@ def test_a_slit_in_a_sheet_is_a_cut(tmp_path: Path) -> None:
     text = (
         "1 cut is cut once, along the line, and no kerf is allowed for there: what lies beside loses 100 um"
     )
-    assert any(text in note for note in told(cut(made, kerf="0.2 mm")))
-    assert not any("cut once" in note for note in told(cut(made)))
+    assert any(text in note for note in notes_of(cut(made, kerf="0.2 mm")))
+    assert not any("cut once" in note for note in notes_of(cut(made)))
 
 
 def test_kerf_and_dashes_of_a_sheet(tmp_path: Path) -> None:
@@ -644,9 +644,9 @@ def drawn_sheet(folder: Path, body: str) -> lamc.Mechanism:
 def test_windows_of_a_sheet_that_the_kerf_closes_are_told_with_their_place(tmp_path: Path) -> None:
     """As those of a laminate are."""
     made = drawn_sheet(tmp_path, '<rect x="40" y="9.96" width="8" height="0.08" stroke="black"/>')
-    notes = told(cut(made, kerf="0.2 mm"))
+    notes = notes_of(cut(made, kerf="0.2 mm"))
     assert any("sheet: narrower than the kerf, and not cut: (44, -10) mm" in line for line in notes)
-    assert not any("not cut" in line for line in told(cut(made, kerf="0.05 mm")))
+    assert not any("not cut" in line for line in notes_of(cut(made, kerf="0.05 mm")))
 
 
 def test_a_crease_is_one_line_past_windows_beside_it(tmp_path: Path) -> None:
@@ -706,7 +706,7 @@ def test_a_line_that_bounds_nothing_is_told_to_be_missing(tmp_path: Path) -> Non
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DesignWarning)
         made = cut(lamc.load(tmp_path / "slit.svg"))
-    (note,) = [line for line in told(made) if "bounds nothing" in line]
+    (note,) = [line for line in notes_of(made) if "bounds nothing" in line]
     assert "a line that bounds nothing is not in these files, at (20, -10) mm, path #slit" in note
 
 
@@ -726,6 +726,6 @@ fixed: [{{rect: [0, 0, 5, 12]}}]
     assert isinstance(design, Design)
     made = cut(design, kerf=1e-4)
     slits = [line for line in dxf_lines(made["1_low.dxf"]) if line[0] == "2_slits"]
-    (note,) = [line for line in told(made) if "no wider than the kerf" in line]
+    (note,) = [line for line in notes_of(made) if "no wider than the kerf" in line]
     assert "1 slit of a hinge is no wider than the kerf of 100 um" in note
     assert len(slits) == 1

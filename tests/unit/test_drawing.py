@@ -6,7 +6,7 @@ import lamc
 from lamc.basics import drawing
 
 
-@pytest.mark.parametrize("entry", sorted(drawing.told()), ids="-".join)
+@pytest.mark.parametrize("entry", sorted(drawing.registered()), ids="-".join)
 def test_every_verb_of_a_record_has_its_function(entry: tuple[str, str]) -> None:
     assert callable(drawing.drawer(*entry))
 

@@ -81,7 +81,7 @@ def plan_of(design: Design, style_text: str = "gap", width: str | float = DRAWN,
         _check_width(steps, width)
     layers = tuple(_cut(steps, k, style, (pitch, kerf), width) for k in range(len(design.layers)))
     left = _left(design, layers, steps.mechanism)
-    plan = Plan(layers, steps.mechanism, left, tuple(notes + _told(steps, layers, style, width)))
+    plan = Plan(layers, steps.mechanism, left, tuple(notes + _notes(steps, layers, style, width)))
     if width == DRAWN and not plan.largest_difference <= SAME:
         raise ExportError(
             f"bodies that the cuts leave differ from the design's by {plan.largest_difference:.2g}: lamc's own fault; "
@@ -165,7 +165,7 @@ def difference(left: Body, drawn: Body, size: float) -> float:
     )
 
 
-def _told(steps: SplitSteps, layers: Sequence[CutLayer], style: str, width: str | float) -> list[str]:
+def _notes(steps: SplitSteps, layers: Sequence[CutLayer], style: str, width: str | float) -> list[str]:
     found = []
     covered = [h.name for h in steps.hinges if _is_covered(h, steps.design, layers)]
     if covered and style != CASTELLATED:

@@ -56,7 +56,7 @@ def shear_notes(solution: "Solution") -> tuple[str, ...]:
             "a laminate has a gap, in which nothing bears shear through the thickness: the plies on both sides "
             "would slide past each other, and the plate is softer than classical theory says",
         )
-    found = _told_energy(solution)
+    found = _reported_energy(solution)
     return (_shear_text(found, element.name),) if found.share >= REPORTED else ()
 
 
@@ -108,7 +108,7 @@ def shape_notes(what: str, shapes: Mapping[int, "Solution"], power: float) -> tu
     elif any(_has_gap(laminate) for laminate in next(iter(shapes.values())).problem.laminates):
         shares = dict.fromkeys(shapes, math.inf)
     else:
-        shares = {k: _told_energy(shape).share for k, shape in shapes.items()}
+        shares = {k: _reported_energy(shape).share for k, shape in shapes.items()}
     lost = {k: 1.0 - (1.0 + share) ** -power for k, share in shares.items()}
     worst = max(lost, key=lost.__getitem__)
     if lost[worst] < REPORTED:
@@ -120,7 +120,7 @@ def shape_notes(what: str, shapes: Mapping[int, "Solution"], power: float) -> tu
     return (f"{left_out}, would {lowered}{_instead(chosen.name)}",)
 
 
-def _told_energy(solution: "Solution") -> ShearEnergy:
+def _reported_energy(solution: "Solution") -> ShearEnergy:
     """Patches only where they are worth their price."""
     rough = _energy_of(solution, recovered=False)
     return rough if rough.share < _ROUGH * REPORTED else _energy(solution)

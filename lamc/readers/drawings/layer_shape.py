@@ -19,7 +19,7 @@ from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, check_
 from lamc.readers.drawings.loose import left_out
 from lamc.readers.drawings.material import material_of
 from lamc.readers.drawings.outlines import parting
-from lamc.readers.drawings.telling import name_of, told
+from lamc.readers.drawings.telling import mend_notes, name_of
 from lamc.readers.fold_faces import aside
 from lamc.records.design import Line
 from lamc.records.drawing import Drawing, Mend, Role, Stroke
@@ -151,9 +151,9 @@ def says_angles(drawing: Drawing, layer: str | None) -> bool:
     return any(stroke.angle and not stroke.full for stroke in chosen)
 
 
-def told_of(mends: Sequence[Mend], heal: float | None, drawing: Drawing) -> list[str]:
+def mend_notes_of(mends: Sequence[Mend], heal: float | None, drawing: Drawing) -> list[str]:
     """Lines for a user."""
-    return told(mends, tolerance_of(drawing, heal), _HEAL)
+    return mend_notes(mends, tolerance_of(drawing, heal), _HEAL)
 
 
 def _chosen(drawing: Drawing, layer: str | None, roles: frozenset[Role], what: str) -> list[Stroke]:

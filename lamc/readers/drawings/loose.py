@@ -56,7 +56,7 @@ def left_out(
     tips = [k for k in gone if strokes[graph.strokes[k]].role in meant]
     gaps = _gaps(graph, gone, tips, {v for k in kept for v in graph.edges[k]})
     if gaps:
-        error = GapsError(_told(graph, strokes, gaps, tolerance, option))
+        error = GapsError(_gaps_text(graph, strokes, gaps, tolerance, option))
         error.count = len(gaps)
         raise error
     _check_closed(graph, strokes, gone, kept)
@@ -165,7 +165,7 @@ def _lengths(graph: Graph, gone: Sequence[int], held: set[int]) -> dict[int, flo
     return found
 
 
-def _told(
+def _gaps_text(
     graph: Graph, strokes: Sequence[Stroke], gaps: Sequence[_Gap], tolerance: float, option: str
 ) -> str:
     shown = [

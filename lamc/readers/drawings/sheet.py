@@ -21,7 +21,7 @@ from lamc.readers.drawings.heal import CREASES, DEFAULT, OUTLINES, Graph, check_
 from lamc.readers.drawings.loose import GapsError, left_out
 from lamc.readers.drawings.material import material_of
 from lamc.readers.drawings.outlines import hull, parting
-from lamc.readers.drawings.telling import full_notes, name_of, told
+from lamc.readers.drawings.telling import full_notes, mend_notes, name_of
 from lamc.readers.fold_faces import Edge, check_count
 from lamc.readers.fold_file import LINK, FoldFrame
 from lamc.readers.fold_sheet import sheet_mechanism
@@ -70,7 +70,7 @@ def sheet_of(drawing: Drawing, options: SheetOptions) -> Mechanism:
         made, notes = sheet_mechanism(frame, options, drawing.name)
     except LamcError as error:
         raise (type(error)(error.message, place) if error.place is None else error) from error
-    for note in [*notes, *told(mends, tolerance)]:
+    for note in [*notes, *mend_notes(mends, tolerance)]:
         warn(note, place)
     recipe = SheetAsSuch(frame, options, drawing.name, mends)
     return with_origin(replace(made, mends=mends), recipe)

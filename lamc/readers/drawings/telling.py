@@ -26,7 +26,7 @@ def millimetres(at: Iterable[float]) -> str:
     return f"({x:.7g}, {y:.7g}) mm"
 
 
-def told(mends: Sequence[Mend], tolerance: float, option: str = "--heal") -> list[str]:
+def mend_notes(mends: Sequence[Mend], tolerance: float, option: str = "--heal") -> list[str]:
     """A line for each kind of mend: how many, how far, where the first ones are. option: what sets the tolerance."""
     lines = []
     for what, count in sorted(Counter(mend.what for mend in mends).items()):

@@ -67,10 +67,10 @@ if TYPE_CHECKING:
 @precision
 @click.option(
     "--energy-balance",
-    "--books",
     is_flag=True,
     help="Keep the work of every effect: who stored, supplied, dissipated.",
 )
+@click.option("--books", is_flag=True, hidden=True)
 @click.option(
     "--film/--no-film", default=False, help="Make a film too: MP4 where the extra `video` is, else GIF."
 )
@@ -92,6 +92,7 @@ def run(
     integrator: str,
     max_steps: int | None,
     energy_balance: bool,
+    books: bool,
     film: bool,
     no_animation: bool,
     no_pictures: bool,
@@ -121,6 +122,8 @@ def run(
     from lamc.commands.run import RunOrder
     from lamc.commands.run import run as work
 
+    if books:
+        terminal.warn("--books is --energy-balance now")
     if no_animation:
         terminal.warn("--no-animation is --no-film now, which is what happens unless --film is there")
     order = RunOrder(
@@ -137,7 +140,7 @@ def run(
         pictures=not no_pictures,
         look=look,
         verbose=verbose,
-        energy_balance=energy_balance,
+        energy_balance=energy_balance or books,
         out=out,
     )
     return work(order, terminal)

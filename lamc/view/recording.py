@@ -25,7 +25,7 @@ FINEST, COARSEST = 1e-3, 5e-2  # of the size, and of the range of a curve
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class RecordedMotion:
     """A run at k instants: centres (k, b, 3), m, and quaternions (k, b, 4) of the b moving bodies, curves (k, c)."""
 
     t: Array
@@ -97,7 +97,7 @@ def moving_bodies(mechanism: Mechanism, moving: Sequence[str]) -> list[int]:
     return [places[name] for name in moving]
 
 
-def motion_of(result: Result, specs: Sequence[dict[str, Any]], size: float) -> Motion:
+def motion_of(result: Result, specs: Sequence[dict[str, Any]], size: float) -> RecordedMotion:
     """The run at its rows, and between those that lie far apart."""
     times = _instants(result)
     poses = poses_at(result, times)
@@ -107,7 +107,7 @@ def motion_of(result: Result, specs: Sequence[dict[str, Any]], size: float) -> M
     keep = np.concatenate([[True], np.diff(result.t) > 0.0]) if len(result.t) else np.zeros(0, dtype=bool)
     curves = np.column_stack([np.interp(times, result.t[keep], values) for values in rows[keep].T])
     radii = np.array([_radius(result.mechanism, k, size) for k in bodies])
-    return Motion(times, poses.centres[:, bodies], turns, curves, radii)
+    return RecordedMotion(times, poses.centres[:, bodies], turns, curves, radii)
 
 
 def _instants(result: Result) -> Array:
@@ -200,7 +200,7 @@ def knots(t: Array, channels: Array) -> npt.NDArray[np.intp]:
     return np.flatnonzero(kept)
 
 
-def recording_data(motion: Motion, tolerance: float, size: float) -> dict[str, Any]:
+def recording_data(motion: RecordedMotion, tolerance: float, size: float) -> dict[str, Any]:
     """The run for the page: arrays, and the errors that decimation and rounding leave, m and of a curve's range."""
     count = len(motion.t)
     spans = np.ptp(motion.curves, axis=0) if count else np.zeros(0)

@@ -336,6 +336,7 @@ def test_energy_balance_tell_who_stored_supplied_and_dissipated(tmp_path: Path) 
     file = pendulum(tmp_path / "p.yaml")
     result = run(str(file), "--t-end", "0.5", "--books", "--out", "out")
     assert result.exit_code == 0
+    assert "warning: --books is --energy-balance now" in result.stderr
     table = [line.split() for line in result.stdout.splitlines() if line.startswith(("balance", "        "))]
     assert ["balance", "stored", "supplied", "dissipated"] in table
     assert [row[0] for row in table if len(row) == 3 and row[2] == "J"] == [

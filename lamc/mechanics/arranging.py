@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lamc.basics.errors import DesignError, about
+from lamc.basics.errors import DesignError
 from lamc.mechanics.arrangement import Arrangement, Bushing, FloatingBase, PrescribedBase
 from lamc.mechanics.compliant_hinge import CompliantHinge, check_bushing
 from lamc.mechanics.flexible import FlexibleBody
 from lamc.mechanism.tree import Tree
-from lamc.records.effect import hooked
+from lamc.records.effect import asked, hooked
 from lamc.records.network import listed_names
 
 if TYPE_CHECKING:
@@ -114,7 +114,7 @@ def arrange(tree: Tree, effects: "Iterable[Effect | Any]") -> Arrangement:
     arranging = Arranging(tree)
     for effect in effects:
         arranging.effect = effect.name
-        with about(effect):
+        with asked(effect):
             hooked(effect).arrange(arranging)
     return arranging.arranged()
 

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
-from lamc.basics.errors import about
 from lamc.loops.rank import LoopCount
 from lamc.mechanics.arrangement import Arrangement, PrescribedBase
 from lamc.mechanics.closure import Closure
@@ -23,7 +22,7 @@ from lamc.mechanics.outputs import energies_of, poses_of
 from lamc.mechanics.parameters import Parameters
 from lamc.mechanics.placement import Placement
 from lamc.mechanics.powers import Mass, Moving, powers_of
-from lamc.records.effect import claims_of, hooked
+from lamc.records.effect import asked, claims_of, hooked
 from lamc.records.inputs import Input
 from lamc.symbolic.algebra import ZERO, add, dot, scale
 from lamc.symbolic.pattern import Pattern
@@ -89,7 +88,7 @@ def collect(
     loads = Loads(placement, symbols.parameters, symbols.time, symbols.q, symbols.u, bushings, symbols.inputs)
     loads.claims = {claim: effect.name for effect in effects for claim in claims_of(effect)}
     for effect in effects:
-        with about(effect), loads.effect(effect.name, effect.summary, hooked(effect).source):
+        with asked(effect), loads.effect(effect.name, effect.summary, hooked(effect).source):
             hold(loads)
             effect.contribute(loads)
     symbols.parameters.check_asked()

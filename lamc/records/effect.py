@@ -8,12 +8,13 @@ hooks: they do nothing unless an effect overrides them.
 import difflib
 import inspect
 import math
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from lamc.basics.checks import Array
-from lamc.basics.errors import DesignError
+from lamc.basics.errors import DesignError, about
 
 if TYPE_CHECKING:
     from lamc.effects.drives import Drive
@@ -194,6 +195,20 @@ def _hook_problem(name: str, own: object) -> str:
 
 def _call(hook: str) -> str:
     return f"{hook}({', '.join(inspect.signature(vars(Effect)[hook]).parameters)})"
+
+
+@contextmanager
+def asked(effect: Any) -> Iterator[None]:
+    """What the effect raises is about it, so that whoever read it from a file can tell its place; numbers that
+    overflow, or a division by zero, are a DesignError."""
+    with about(effect):
+        try:
+            yield
+        except ArithmeticError as error:
+            raise DesignError(
+                f"effect {effect.name!r} cannot compute with its numbers ({type(error).__name__}: {error}); one of "
+                "them is far too small or too large"
+            ) from error
 
 
 def marks_of(effects: Iterable[Effect], parameters: Mapping[str, float]) -> tuple[PlaneMark, ...]:

@@ -9,6 +9,7 @@ import lamc
 from lamc.basics.errors import DesignError
 from lamc.effects.registry import EFFECTS
 from lamc.records.effect import HOOKS, Effect, claims_of, conserves, hooked, marks_of, overrides
+from tests.support.mechanisms import chain
 
 
 @dataclass(frozen=True)
@@ -112,3 +113,13 @@ def test_an_effect_that_contributes_nothing_is_none() -> None:
 @pytest.mark.parametrize("kind", EFFECTS, ids=lambda kind: kind.name)
 def test_effects_of_lamc_are_of_the_base_class(kind: type) -> None:
     assert issubclass(kind, lamc.Effect)
+
+
+@pytest.mark.parametrize("hook", ["contribute", "arrange"])
+@pytest.mark.parametrize("number", [lambda: 10.0**400, lambda: 1.0 / 0.0])
+def test_numbers_that_overflow_are_an_error_of_the_effect(hook: str, number: Any) -> None:
+    """They had been a bug of lamc."""
+    effect = type("Large", (Own,), {hook: lambda self, what: number()})()
+    with pytest.raises(DesignError, match="effect 'own' cannot compute with its numbers") as caught:
+        lamc.compile(chain(1, "parallel", seed=1), lamc.Scene(effects=(effect,)))
+    assert isinstance(caught.value.subject, Own)

@@ -23,9 +23,7 @@ if TYPE_CHECKING:
     from lamc.plates.laminates.laminate import Laminate
 
 _REACH = 1e-3  # of the outline's size: an edge of it that is so near to a hinge line lies along it
-_ROUNDING = (
-    1e-8  # of the plate's size: how far its outline may be off the drawn one, by the grid of its regions
-)
+_ROUNDING = 1e-8  # of the plate's size: how far its outline may be off what was drawn, by the grid of regions
 _HEAVY = 1e-3  # part of its mass by which a body may weigh less than its plate
 
 
@@ -121,6 +119,8 @@ def _on_rim(line: BaseGeometry, outline: BaseGeometry, near: float) -> BaseGeome
     sides = np.concatenate([np.stack([ring[:-1], ring[1:]], axis=1) for ring in rings])
     apart = shapely.distance(line, shapely.points(sides))
     kept = sides[(apart <= near).all(axis=1)]
+    if not len(kept):  # the line is empty, or goes along a part of one side
+        return line
     found = shapely.line_merge(shapely.multilinestrings(list(kept)))
     return found if abs(found.length - line.length) <= near * (1 + len(kept)) else line
 

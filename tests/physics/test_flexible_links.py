@@ -30,6 +30,7 @@ from lamc.basics.errors import DesignError, LamcError
 from lamc.basics.times import Times
 from lamc.commands.examples import mechanism_of_example
 from lamc.effects import Gravity, HingeStiffness
+from lamc.effects.flexible_plates import _on_rim
 from lamc.examples import find
 from lamc.mechanics.arranging import arrange
 from lamc.mechanism.plan import plan
@@ -490,6 +491,21 @@ def test_facets_with_oblique_hinges_bend(name: str) -> None:
         assert across.max() <= 2e-3 + 1e-10  # m: half of the widest gap of these examples, and the grid
         assert bent.clamped.length > 0.5 * bent.outline.length / len(shapely.get_coordinates(bent.outline))
         assert (reduced.omega[: reduced.natural] > 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("line", "found"),
+    [
+        (LineString([(3e-11, -2e-11), (1.0, 3e-11)]), LineString([(0.0, 0.0), (1.0, 0.0)])),
+        (LineString([(1.0, 0.2), (1.0, 0.6)]), LineString([(1.0, 0.2), (1.0, 0.6)])),
+        (LineString([(0.0, 0.0), (1.0, 0.0), (1.0, 0.5)]), LineString([(0.0, 0.0), (1.0, 0.0), (1.0, 0.5)])),
+        (LineString([(0.2, 0.2), (0.4, 0.3)]), LineString([(0.2, 0.2), (0.4, 0.3)])),
+        (LineString(), LineString()),
+    ],
+)
+def test_an_edge_is_the_sides_of_the_outline_or_stays(line: LineString, found: LineString) -> None:
+    """A whole side; a part of one; a side and a part of the next; a line within; none, which is told later."""
+    assert _on_rim(line, box(0.0, 0.0, 1.0, 1.0), 1e-10).equals(found)
 
 
 def test_a_facet_that_falls_into_pieces_is_refused_by_its_name() -> None:

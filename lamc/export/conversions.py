@@ -72,9 +72,10 @@ def _check_not_read(source: Path, target: Path) -> None:
 
 
 def _check_free(target: Path, *, force: bool) -> None:
-    if _is_there(target) and target.is_dir():
+    is_there = _is_there(target)
+    if is_there and target.is_dir():
         raise ExportError(f"{str(target)!r} is a folder; name a file in it")
-    if _is_there(target) and not force:
+    if is_there and not force:
         raise ExportError(f"{str(target)!r} is there; name another file, or replace it with {_FORCE}")
 
 
@@ -104,10 +105,8 @@ def write(made: Converted, path: Path, *, force: bool) -> None:
         return
     beside = design_beside(path)
     _check_free(beside, force=force)
-    with (
-        replacing(beside) as design,
-        replacing(path) as temporary,
-    ):  # both are there before either has its name
+    # Both are written before either has its name.
+    with replacing(beside) as design, replacing(path) as temporary:
         temporary.write_bytes(made.content)
         design.write_text(made.design, encoding="utf-8", newline="\n")
 
@@ -216,10 +215,7 @@ def _fold(record: Design | Mechanism, file: str) -> Converted:
         lost.append(_BENDS)
     lost += _lost_of_scenes(record, angles=True) + ([] if not record.story else ["its story"])
     content = flat_bytes(record)
-    turned = reversed_hinges(record, content)
-    if turned:
-        lost.append(f"which way hinges turn that turn the other way there: {listed_names(turned)}")
-    return Converted(content, (*lost, *_lost_points(record)))
+    return Converted(content, (*lost, *_lost_points(record), *reversed_hinges(record, content)))
 
 
 def _drawing(kind: str, write: Callable[[list[CutLine], str], bytes], *, paged: bool) -> Maker:
@@ -254,14 +250,13 @@ def _laminate(
     design: Design, file: str, write: Callable[[list[CutLine], str], bytes], *, paged: bool
 ) -> Converted:
     """Raises UnsupportedError where lamc would not read the two files as the same design."""
-    from lamc.export.laminate_drawing import differences as found_unlike
-    from lamc.export.laminate_drawing import manifest_of
+    from lamc.export.laminate_drawing import manifest_of, misreadings
 
     unlike: list[str] = []
     for parted in (False, True):
         manifest = manifest_of(design, file, paged=paged, parted=parted)
         content = write(list(manifest.lines), design.name)
-        unlike = found_unlike(design, manifest, content, file)
+        unlike = misreadings(design, manifest, content, file)
         if not unlike:
             lost = [f"what the file was without: {note}" for note in design.notes]
             return Converted(content, tuple(lost), same=True, design=manifest.text)

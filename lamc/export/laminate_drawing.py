@@ -1,7 +1,7 @@
 """A laminate as one drawing, and a native design that takes its shapes and hinge lines from it.
 
 In: a design, how lines are written. Out: the drawing's lines, each shape and each group of hinge lines on a layer of
-its own; the design's text; what is read back otherwise, in words. Never: rounds a coordinate.
+its own; the design's text; what is read back otherwise, in words. Never: moves a place by more than 1e-12 m.
 """
 
 import warnings
@@ -119,7 +119,7 @@ class _Drawn:
 # --- read back ----------------------------------------------------------------------------------------------------
 
 
-def differences(design: Design, manifest: Manifest, drawing: bytes, file: str) -> list[str]:
+def misreadings(design: Design, manifest: Manifest, drawing: bytes, file: str) -> list[str]:
     """What lamc reads otherwise in the two files, in words; nothing where it is the same design."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DesignWarning)

@@ -43,13 +43,18 @@ def differences(
 
 
 def reversed_hinges(drawn: Mechanism, content: bytes) -> list[str]:
-    """Names of hinges whose angle has the other sign where lamc reads a FOLD file."""
+    """That hinges' angles have the other sign where lamc reads a FOLD file, or that it does not read it, in words."""
+    options = SheetOptions(large=True, facets="rigid")  # names and axes are the same, and found soon
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DesignWarning)
-        found = read_fold(content.decode(), "sheet.fold", SheetOptions(large=True), DEFAULT_LIMITS)
+        try:
+            found = read_fold(content.decode(), "sheet.fold", options, DEFAULT_LIMITS)
+        except DesignError as error:
+            return [f"the device: lamc does not read the file: {error.message}"]
     of = {body.name: body.name for body in drawn.bodies}
     twins = {joint.name: joint for joint in found.joints}
-    return [j.name for j in drawn.joints if j.name in twins and _sense(j, twins[j.name], of) < 0.0]
+    turned = [j.name for j in drawn.joints if j.name in twins and _sense(j, twins[j.name], of) < 0.0]
+    return [f"which way hinges turn that turn the other way there: {listed_names(turned)}"] if turned else []
 
 
 def _of_scene(drawn: Scene, found: Scene) -> list[str]:

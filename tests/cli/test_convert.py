@@ -23,6 +23,7 @@ from lamc.export.creased import CreasedSheet
 from lamc.export.cuts.creases import crease_of, lines_of_sheet, point_of
 from lamc.export.cuts.lines import bounds_of
 from lamc.readers.drawings.sheet import sheet_of
+from lamc.readers.inert import Limits
 from lamc.readers.load import load_text
 from lamc.records.card import SheetOptions
 from lamc.records.design import Design
@@ -531,6 +532,13 @@ def test_layers_are_refused_by_formats_of_one_sheet(tmp_path: Path) -> None:
     for suffix in (".fold", ".svg", ".dxf"):
         with pytest.raises(UnsupportedError, match=r"a sheet of one card; 'bare' has layers of several"):
             converted(bare, Path(f"a{suffix}"), Path("a.yaml"))
+
+
+def test_a_fold_file_that_is_not_read_back_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn = quiet(sheet(tmp_path, corpus.miura(2, 2)))
+    monkeypatch.setattr(import_module("lamc.export.read_back"), "DEFAULT_LIMITS", Limits(values=10))
+    (lost,) = [each for each in converted(drawn, Path("a.fold"), Path("a.yaml")).lost if "device" in each]
+    assert lost.startswith("the device: lamc does not read the file: ")
 
 
 def test_no_file_is_written_over_unless_forced(tmp_path: Path) -> None:

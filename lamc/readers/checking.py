@@ -24,6 +24,7 @@ T = TypeVar("T")
 M = TypeVar("M", bound=BaseModel)
 
 _SHOWN_PROBLEMS = 50
+_NUMERIC = tuple("+-.0123456789")  # what a number begins with
 
 
 class Problems:
@@ -54,13 +55,15 @@ class Problems:
         return {key.text: value.place for key, value in pairs if isinstance(key, ScalarNode)}
 
     def words(self, path: Path) -> Mapping[str, Place]:
-        """The places of all single keys and values within what stands at `path`, of each the first."""
+        """The places of all single keys and values within what stands at `path`, of each the first; not of numbers, of
+        which there may be thousands."""
         found: dict[str, Place] = {}
         left: list[Node] = [node_at(self._root, path)]
         while left:
             node = left.pop()
             if isinstance(node, ScalarNode):
-                found.setdefault(node.text, node.place)
+                if not node.plain or node.text[:1] not in _NUMERIC:
+                    found.setdefault(node.text, node.place)
             elif isinstance(node, ListNode):
                 left += reversed(node.items)
             else:

@@ -92,7 +92,7 @@ def _with_layers(
     roles: Mapping[str, Role] | None, layers: Mapping[str, str] | None
 ) -> Mapping[str, Role] | None:
     """Roles, and those of layers, which a name such as "outline" says too."""
-    if layers is None:
+    if layers is None or not (roles is None or isinstance(roles, Mapping)):  # refused by SheetOptions
         return roles
     if not isinstance(layers, Mapping):
         raise DesignError(f"layers is {shown(layers)}; it must map layers to what they are for")

@@ -125,7 +125,9 @@ def test_layers_are_said_by_the_names_that_layers_have(tmp_path: Path) -> None:
         ({"RIM": "outlin"}, "the role of 'RIM' is 'outlin'; roles are border"),
         ({"RIM": 3}, "the role of 'RIM' is 3"),
         (["RIM"], "layers is .*it must map layers"),
+        ({"RIM": "border"}, "roles is .*it must map"),
         ({"LINE": "cut"}, "roles and layers both say what 'LINE' is for"),
     ):
+        roles: Any = ["LINE"] if message.startswith("roles is") else {"LINE": "valley"}
         with pytest.raises(DesignError, match=message):
-            lamc.load(file, layers=layers, roles={"LINE": "valley"}, **options)  # type: ignore[arg-type]
+            lamc.load(file, layers=layers, roles=roles, **options)  # type: ignore[arg-type]

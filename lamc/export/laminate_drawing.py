@@ -159,4 +159,5 @@ def _unlike(drawn: Design, found: Design) -> list[str]:
 
 
 def _alike(one: MultiPolygon, other: MultiPolygon) -> bool:
+    """Whether no edge is off by more than the grid and the round-off of millimetres, which is less."""
     return bool(shapely.symmetric_difference(one, other).area <= 2.0 * _GRID * one.length)

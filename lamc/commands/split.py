@@ -17,7 +17,7 @@ from lamc.commands.inputs import Source, folder_name, load_source, output_folder
 from lamc.commands.terminal import Progress, Terminal
 from lamc.design.split import named_hinges, split_steps
 from lamc.loops.at_start import drawn_loops, loops_of
-from lamc.loops.work import check_work
+from lamc.loops.work import SOON, check_work
 from lamc.mechanism.plan import plan
 from lamc.readers.joint_definition import drawn_layers, drawn_lines
 from lamc.readers.joints_layers import layers_of
@@ -81,7 +81,7 @@ def _loops(mechanism: Mechanism, *, large: bool) -> tuple[str, dict[str, object]
         return "", None
     tolerance = mechanism.scene.closure_tolerance if mechanism.scene is not None else None
     try:
-        check_work(mechanism, large=large)
+        check_work(mechanism, SOON, large=large)
         count, branches = drawn_loops(plan(mechanism), tolerance)
         if count.misfit is not None and mechanism.scene is not None and any(mechanism.scene.angles.values()):
             count = loops_of(

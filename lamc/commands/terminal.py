@@ -8,6 +8,7 @@ import json
 import math
 import os
 import sys
+import threading
 import time
 import traceback
 import warnings
@@ -23,6 +24,8 @@ from lamc.basics.errors import DesignErrors, DesignWarning, LamcError
 
 INTERRUPTED = 130  # 128 + SIGINT, as shells have it
 _PLAIN_EVERY = 2.0  # s between two plain lines about the same work
+_SILENT = 10.0  # s without a line after which one says that the work goes on
+_LEAST = 0.1  # s between two looks at that
 
 
 def open_streams() -> None:
@@ -87,11 +90,31 @@ class Silent:
 
 
 class PlainProgress:
-    """A line per stage, and one every few seconds within a long stage."""
+    """A line per stage, and one every few seconds within a long stage: how much of it is done or, where that is not
+    known, how long it has taken."""
 
     def __init__(self) -> None:
         self._name = ""
-        self._reported = self._begun = 0.0
+        self._reported = self._begun = time.monotonic()
+        self._ended = threading.Event()
+        self._watch = threading.Thread(target=self._tell_of_silence, daemon=True)
+
+    def __enter__(self) -> Self:
+        self._watch.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._ended.set()
+        self._watch.join()
+
+    def _tell_of_silence(self) -> None:
+        while not self._ended.wait(max(_LEAST, self._reported + _SILENT - time.monotonic())):
+            now = time.monotonic()
+            if self._name and now - self._reported >= _SILENT:
+                self._reported = now
+                tell(f"{self._name} … {now - self._begun:.0f} s")
 
     def stage(self, name: str) -> None:
         if name != self._name:
@@ -190,7 +213,8 @@ class Terminal:
             with BarProgress() as bar:
                 yield bar
         else:
-            yield PlainProgress()
+            with PlainProgress() as lines:
+                yield lines
 
     def guard(self, work: Callable[[], int]) -> int:
         """The exit code of `work`; every exception becomes one line per problem on stderr and an exit code, and every

@@ -12,13 +12,13 @@ from functools import partial
 from pathlib import Path
 
 from lamc.basics.checks import did_you_mean, shown
-from lamc.basics.errors import BuildError, DesignError
+from lamc.basics.errors import BuildError, DesignError, warn
 from lamc.basics.places import located_at
 from lamc.basics.times import Observer, Times
 from lamc.codegen.cache import Cache, cache_root
 from lamc.codegen.options import CompileOptions
 from lamc.design.split import split
-from lamc.loops.work import check_work
+from lamc.loops.work import check_work, long_work
 from lamc.pipeline.job import Job
 from lamc.pipeline.modules import module_of
 from lamc.pipeline.stages import effects_of, equations_of, sources_of
@@ -65,6 +65,8 @@ def compile(  # noqa: A001  the public name is lamc.compile
         with located_at(scene.places):
             mechanism = with_values(mechanism, scene)
             check_work(mechanism, large=options.large)
+            if told := long_work(mechanism):
+                warn(told)
             made = _on_branch(Job(mechanism, scene, options, times, cache or Cache(cache_root())))
     logger.info("%r is compiled%s", made, ", from the cache" if times.from_cache else "")
     return made

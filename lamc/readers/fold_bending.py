@@ -34,12 +34,13 @@ NEARLY = 1e-4
 # 1e-3 and more; those of a hypar with one corner off by a pixel, which move exactly all the same, 1e-6.
 BARELY = 1e-5
 STILL = "nothing moves while facets are rigid"
+NOWHERE = "no way out of the flat position is found while facets are rigid"
 MOST = 1500  # hinges: of more, it takes too long to find out whether rigid facets move
 
 
 def obstacle(sheet: Mechanism) -> str:
-    """Why a sheet of rigid facets does not fold, `STILL` if not at all; empty if it does, or where that would take long
-    to find out."""
+    """Why a sheet of rigid facets does not fold, `STILL` if not at all, `NOWHERE` if nobody knows how; empty if it
+    does, or where that would take long to find out."""
     if not sheet.joints:
         return STILL
     tree = plan(sheet)
@@ -50,7 +51,7 @@ def obstacle(sheet: Mechanism) -> str:
     try:
         loops = loops_of(tree, sheet.scene or Scene())
     except DesignError:
-        return "" if len(sheet.joints) > closing else STILL
+        return NOWHERE if len(sheet.joints) > closing else STILL
     is_flat = not any(sheet.scene.angles.values()) if sheet.scene else True
     if loops.branch_ranks and is_flat and _weakest(loops) < BARELY:
         return "rigid facets would crawl, as the drawing's rounding alone holds some of their loops"

@@ -16,8 +16,8 @@ import shapely
 from lamc.basics.errors import DesignError
 from lamc.basics.units import LENGTH, to_si
 from lamc.design.mass import body_properties
-from lamc.loops.work import check_work
-from lamc.readers.fold_bending import CREASED, FACET, STIFFER, STILL, bending, obstacle
+from lamc.loops.work import MOST, SOON, Work
+from lamc.readers.fold_bending import CREASED, FACET, NOWHERE, STIFFER, STILL, bending, obstacle
 from lamc.readers.fold_faces import (
     Face,
     beside_edges,
@@ -67,13 +67,16 @@ def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple
     bent, told = _bending(frame, sheet).mechanism(stem)
     if len(bent.joints) == len(made.joints):
         return made, notes
-    if not sheet.locked_most and _takes_minutes(bent, options) and not _takes_minutes(made, options):
+    # What does not run at all while it is rigid may take longer.
+    limits = MOST if why in (STILL, NOWHERE) else SOON
+    is_long = not options.large and not Work.of(bent).is_within(limits)
+    if not sheet.locked_most and is_long and Work.of(made).is_within(limits):
         notes.append(
             f"{why}: facets that bend would take minutes until they run, and are left rigid (--facets bend, with "
             "--large, has them)"
         )
         return made, notes
-    if obstacle(bent) == STILL:
+    if obstacle(bent) in (STILL, NOWHERE):
         return made, notes
     told.append(
         f"{why}: they bend along diagonals and flat lines, {STIFFER:g} times as stiff as creases of the same length "
@@ -350,15 +353,6 @@ class _Sheet:
                 "'0.3 mm, 700 kg/m^3' says another)"
             )
         return card
-
-
-def _takes_minutes(sheet: Mechanism, options: SheetOptions) -> bool:
-    """Whether it is refused by what it would take to compile."""
-    try:
-        check_work(sheet, large=bool(options.large))
-    except DesignError:
-        return True
-    return False
 
 
 def _bending(frame: FoldFrame, sheet: _Sheet) -> _Sheet:

@@ -16,20 +16,6 @@ static inline lamc_real lamc_dot(int n, const lamc_real *a, const lamc_real *b) 
   return sum;
 }
 
-/* L from the lower triangle of M by rows. NaN where M is not positive, which every later result inherits. */
-static inline void lamc_cholesky(int n, const lamc_real *lower_triangle, lamc_real *l) {
-  const lamc_real *row = lower_triangle;
-  for (int i = 0; i < n; i++) {
-    lamc_real *li = l + (ptrdiff_t)i * n;
-    for (int k = 0; k <= i; k++) {
-      const lamc_real *lk = l + (ptrdiff_t)k * n;
-      const lamc_real rest = row[k] - lamc_dot(k, li, lk);
-      li[k] = k == i ? 1 / sqrt(rest) : rest * lk[k];
-    }
-    row += i + 1;
-  }
-}
-
 /* Four rows of a (4, n), one below the other, times b: as lamc_dot to the last digit, without waiting for each sum */
 static inline void lamc_four_dots(int n, const lamc_real *a, ptrdiff_t stride, const lamc_real *b,
                                   lamc_real *sums) {
@@ -53,6 +39,36 @@ static inline void lamc_dots(int count, int n, const lamc_real *a, ptrdiff_t str
   int k = 0;
   for (; k + 4 <= count; k += 4) lamc_four_dots(n, a + k * stride, stride, b, sums + k);
   for (; k < count; k++) sums[k] = lamc_dot(n, a + k * stride, b);
+}
+
+/* Columns first <= k < beyond of row i of L, from that of M */
+static inline void lamc_cholesky_row(int n, int i, int first, int beyond, const lamc_real *row,
+                                     lamc_real *l) {
+  lamc_real *li = l + (ptrdiff_t)i * n;
+  for (int k = first; k < beyond; k++) {
+    const lamc_real *lk = l + (ptrdiff_t)k * n;
+    const lamc_real rest = row[k] - lamc_dot(k, li, lk);
+    li[k] = k == i ? 1 / sqrt(rest) : rest * lk[k];
+  }
+}
+
+/* L from the lower triangle of M by rows, of which four are taken side by side, as lamc_dot to the last digit. NaN where M
+ * is not positive, which every later result inherits. */
+static inline void lamc_cholesky(int n, const lamc_real *lower_triangle, lamc_real *l) {
+  const lamc_real *row = lower_triangle;
+  int i = 0;
+  for (; i + 4 <= n; row += 4 * i + 10, i += 4) {
+    const lamc_real *rows[4] = {row, row + i + 1, row + 2 * i + 3, row + 3 * i + 6};
+    lamc_real *li = l + (ptrdiff_t)i * n;
+    for (int k = 0; k < i; k++) {
+      const lamc_real *lk = l + (ptrdiff_t)k * n;
+      lamc_real sums[4];
+      lamc_four_dots(k, li, n, lk, sums);
+      for (int j = 0; j < 4; j++) li[(ptrdiff_t)j * n + k] = (rows[j][k] - sums[j]) * lk[k];
+    }
+    for (int j = 0; j < 4; j++) lamc_cholesky_row(n, i + j, i, i + j + 1, rows[j], l);
+  }
+  for (; i < n; row += ++i) lamc_cholesky_row(n, i, 0, i + 1, row, l);
 }
 
 /* rest (n,) less `value` times known: four at once, read before they are written */

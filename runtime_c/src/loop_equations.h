@@ -124,6 +124,17 @@ static inline int lamc_loop_take(lamc_loop_parts *p) {
   return p->count;
 }
 
+/* As lamc_loop_take, a little way from where `count` equations were taken. Of large loops the directions that are free, and
+ * what moves along them, stay those of there: a correction need not be the least one, and takes no masses then. They are
+ * to be taken again before anything is that has to be exact. */
+static inline int lamc_loop_take_nearby(lamc_loop_parts *p, int count) {
+  if (p->is_sparse && !p->has_mass) {
+    p->count = -1;
+    if (lamc_loop_order(p) == count) return count;
+  }
+  return lamc_loop_take(p);
+}
+
 /* The part of `force` that moves what is free: the first n - count numbers of `found`, by L^-1 */
 static inline void lamc_loop_along(const lamc_loop_parts *p, int count, const lamc_real *force,
                                    lamc_real *found) {

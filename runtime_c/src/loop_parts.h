@@ -69,6 +69,8 @@ typedef struct lamc_loop_parts {
   lamc_real *goal;       /* (m,) */
   lamc_real *qdot;       /* (nq,) */
   lamc_real *y;          /* (nq + n,): a settled copy of a state */
+  lamc_real
+      *settled; /* (nq + n,): the same of the state that was asked for, while places around are looked at */
   /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations with
    * too few, steps with too few, 1 where a row of J fades, 1 where the elimination was planned; work that was done, in
    * units of an addition and a multiplication, some nanosecond of a core */
@@ -76,6 +78,7 @@ typedef struct lamc_loop_parts {
   lamc_real *norms; /* (m,): what rows of J were divided by; 0: a row of none */
   lamc_real *reach; /* (m,): the largest angle that the row knows, rad */
   lamc_real *mean;  /* (n + m,): accelerations and multipliers from places around */
+  lamc_real *plain; /* (n + m,): those of the state itself */
   lamc_real *step;  /* (n,): of a state that is brought to closure */
   lamc_real *raw;   /* what the model writes: the largest of its functions */
 } lamc_loop_parts;

@@ -38,7 +38,7 @@ static inline long long lamc_loop_work_size(const lamc_model *model) {
   const long long n = model->rate_count, nq = model->coordinate_count;
   const long long m = model->closure_count;
   const long long system = model->residual == NULL ? n * (n + 1) / 2 + n : 0;
-  const long long state = nq + n, around = n + m;
+  const long long state = 2 * (nq + n), around = 2 * (n + m);
   return system + lamc_loop_taken_size(model) + lamc_loop_closure_size(model) + lamc_loop_raw_size(model) +
          lamc_loop_elimination_size(model) + 2 * n * n + 3 * n + 3 * m + 2 * nq + state + LAMC_LOOPS_KEPT +
          around;
@@ -114,8 +114,10 @@ static inline void lamc_loop_parts_of(const lamc_motion *motion, lamc_loop_parts
   p->norms = lamc_loop_part(&next, m);
   p->reach = lamc_loop_part(&next, m);
   p->mean = lamc_loop_part(&next, n + m);
+  p->plain = lamc_loop_part(&next, n + m);
   p->qdot = lamc_loop_part(&next, nq);
   p->y = lamc_loop_part(&next, nq + n);
+  p->settled = lamc_loop_part(&next, nq + n);
   p->state = lamc_loop_part(&next, LAMC_LOOPS_KEPT);
   if (p->is_sparse) p->steps = p->state[5] > 0 ? lamc_sparse_planned(p) : p->found;
 }

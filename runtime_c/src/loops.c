@@ -15,7 +15,9 @@
 #include <string.h>
 
 static const int MAX_ITERATIONS = 8;
-static const lamc_real LONG_SINGULAR = 3000; /* steps in a row: a passage takes some hundred at 1e-13 */
+static const lamc_real MANY = 30;             /* times: round-off of all that a closure sums up, at most */
+static const lamc_real NEARBY = LAMC_R(1e-3); /* rad: from there closure needs no least correction */
+static const lamc_real LONG_SINGULAR = 3000;  /* steps in a row: a passage takes some hundred at 1e-13 */
 
 long long lamc_loops_work(const lamc_model *model) {
   return model->cut_count == 0 ? 0 : lamc_loop_work_size(model);
@@ -140,29 +142,52 @@ static lamc_status settle(const lamc_motion *motion, lamc_loop_parts *p, lamc_re
     lamc_loop_solve(p, count, p->extra, NULL, p->step);
     lamc_motion_rates(motion, q, p->step, p->qdot);
     for (int i = 0; i < p->nq; i++) q[i] += p->qdot[i];
-    *moved += largest(p->n, p->step);
+    const lamc_real change = largest(p->n, p->step);
+    *moved += change;
     open = evaluate_closure(motion, p, q);
-    count = lamc_loop_take(p);
+    count = change < NEARBY ? lamc_loop_take_nearby(p, count) : lamc_loop_take(p);
     const lamc_real before = gap;
     gap = openness(p, count);
     if (!(gap < LAMC_R(0.5) * before)) break; /* round-off, or a singular position: no closer from here */
   }
   const lamc_real tolerance = lamc_loop_gap(motion);
   if (!(open <= (LOST > tolerance ? LOST : tolerance))) return LAMC_CLOSURE_LOST;
+  if (p->is_sparse) count = lamc_loop_take(p);
   /* Rates, by what of them opens the loops: the rest keeps its last digit */
   for (int i = 0; i < p->m; i++) p->goal[i] = lamc_loop_row(p, i, u);
   lamc_loop_solve(p, count, p->goal, NULL, p->step);
-  const lamc_real change = largest(p->n, p->step);
-  if (change > *moved) *moved = change;
+  const lamc_real last = largest(p->n, p->step);
+  if (last > *moved) *moved = last;
   for (int i = 0; i < p->n; i++) u[i] += p->step[i];
   p->state[0] = (lamc_real)count;
   return LAMC_OK;
 }
 
-/* As solve_around, from places that are `apart`, rad, from one to the next. Returns 0 where one of them is singular itself,
- * or nearly so. */
-static int solve_apart(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, const lamc_real *q,
-                       const lamc_real *u, lamc_real apart, lamc_real *udot, lamc_real *lambda) {
+/* What comes of places around a state */
+typedef enum places { ALSO_SINGULAR, UNEVEN, SMOOTHLY } places;
+
+/* Round-off of accelerations at a state by itself, of the largest, at most: closure has so much, and what the weakest
+ * equation holds divides it twice */
+static lamc_real round_off(const lamc_loop_parts *p, int count) {
+  lamc_real least = lamc_loop_last_pivot(p, count);
+  for (int i = 0; i < p->m; i++) {
+    if (p->norms[i] > 0 && p->norms[i] < least) least = p->norms[i];
+  }
+  return MANY * EXACT / (least * least);
+}
+
+/* 1 if `share` times sum (n,) differs from the plain accelerations by no more than `most` of the largest of them */
+static int is_alike(const lamc_loop_parts *p, const lamc_real *sum, lamc_real share, lamc_real most) {
+  lamc_real off = 0;
+  for (int i = 0; i < p->n; i++) off = larger(off, fabs(share * sum[i] - p->plain[i]));
+  return off <= most * largest(p->n, p->plain);
+}
+
+/* As solve_around, from places that are `apart`, rad, from one to the next. ALSO_SINGULAR where one of them is singular
+ * itself, or nearly so; UNEVEN where they are not the smooth motion that the state is on. */
+static places solve_apart(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, const lamc_real *q,
+                          const lamc_real *u, lamc_real apart, lamc_real plain_off, lamc_real *udot,
+                          lamc_real *lambda) {
   static const lamc_real WEIGHTS[3] = {LAMC_R(0.75), LAMC_R(-0.3), LAMC_R(0.05)};
   const lamc_real pace = largest(p->beyond, u); /* a base stays where it is: it moves no loop */
   lamc_real *sum = p->mean, *forces = p->mean + p->n;
@@ -173,16 +198,19 @@ static int solve_apart(const lamc_motion *motion, lamc_loop_parts *p, lamc_real 
     memcpy(p->y, q, (size_t)p->nq * sizeof *q);
     for (int i = 0; i < p->beyond; i++) p->y[i] += way * u[i];
     memcpy(p->y + p->nq, u, (size_t)p->n * sizeof *u);
-    if (settle(motion, p, t, p->y, &moved) != LAMC_OK) return 0;
+    if (settle(motion, p, t, p->y, &moved) != LAMC_OK) return ALSO_SINGULAR;
     const int count = prepare(motion, p, t, p->y, p->y + p->nq);
-    if (count < motion->model->rank || lamc_loop_is_faint(p, count, LAMC_R(0.5) * FADING)) return 0;
+    if (count < motion->model->rank || lamc_loop_is_faint(p, count, LAMC_R(0.5) * FADING))
+      return ALSO_SINGULAR;
     solve(p, count, t, p->y + p->nq, udot, lambda);
     for (int i = 0; i < p->n; i++) sum[i] += WEIGHTS[k / 2] * udot[i];
     for (int i = 0; i < p->m && lambda != NULL; i++) forces[i] += WEIGHTS[k / 2] * lambda[i];
+    if (k == 1 && !is_alike(p, sum, LAMC_R(0.5) / WEIGHTS[0], SMOOTH + plain_off)) return UNEVEN;
   }
+  if (!is_alike(p, sum, 1, ALIKE + plain_off)) return UNEVEN;
   memcpy(udot, sum, (size_t)p->n * sizeof *udot);
   if (lambda != NULL) memcpy(lambda, forces, (size_t)p->m * sizeof *lambda);
-  return 1;
+  return SMOOTHLY;
 }
 
 /* Of large loops, in which a place around takes long: 1 if equations fade as much a little along the hinges' rates as
@@ -202,16 +230,35 @@ static int stays_faint(const lamc_motion *motion, lamc_loop_parts *p, const lamc
 /* Where equations fade without their digits, such as in a linkage that passes its line, accelerations from three closed
  * places on each side along the hinges' rates, by the polynomial through them: they are smooth along a branch, and there
  * is no other way to know them from so near. Where one of the places is as near to the singular position as this one was,
- * they are taken farther apart. Returns 0 where it is no passage; the work is then that of another place. */
+ * they are taken farther apart. Motions of several freedoms pass beside the singular position as well, where accelerations
+ * turn with the state within the distance from it: the places, which are farther away, then know nothing of them. Their
+ * own accelerations, in p->plain, are off by `plain_off` of themselves, and tell. Returns 0 where it is no
+ * passage; the work is then that of another place. */
 static int solve_around(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, const lamc_real *q,
-                        const lamc_real *u, lamc_real *udot, lamc_real *lambda) {
+                        const lamc_real *u, lamc_real plain_off, lamc_real *udot, lamc_real *lambda) {
   if (!(largest(p->beyond, u) > LAMC_LEAST) || something_yields(p)) return 0;
   for (int k = 2; k <= 4; k++) {
     const lamc_real apart = LAMC_R(0.5) * (lamc_real)k * AROUND;
     if (p->is_sparse && stays_faint(motion, p, q, u, apart)) continue;
-    if (solve_apart(motion, p, t, q, u, apart, udot, lambda)) return 1;
+    const places found = solve_apart(motion, p, t, q, u, apart, plain_off, udot, lambda);
+    if (found != ALSO_SINGULAR) return found == SMOOTHLY;
   }
   return 0;
+}
+
+/* Into p->settled the state on closure, if it comes there; returns how many equations hold at it. A stage of a Runge-Kutta
+ * step is off closure by the square of the step or so; divided by the square of the last pivot that is an acceleration out
+ * of nothing. On closure it is none. */
+static int prepare_settled(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, const lamc_real *q,
+                           const lamc_real *u) {
+  lamc_real moved = 0, *place = p->settled;
+  memcpy(place, q, (size_t)p->nq * sizeof *q);
+  memcpy(place + p->nq, u, (size_t)p->n * sizeof *u);
+  if (settle(motion, p, t, place, &moved) != LAMC_OK) {
+    memcpy(place, q, (size_t)p->nq * sizeof *q);
+    memcpy(place + p->nq, u, (size_t)p->n * sizeof *u);
+  }
+  return prepare(motion, p, t, place, place + p->nq);
 }
 
 int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_real *q, const lamc_real *u,
@@ -219,28 +266,25 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
   lamc_loop_parts p;
   lamc_loop_parts_of(motion, &p);
   const lamc_real *rates = u;
+  const int rank = motion->model->rank;
   int count = prepare(motion, &p, t, q, u);
   if (motion->baumgarte != 0) {
     pull_back(motion, &p, q, u);
   } else if (is_near_singular(&p, count)) {
-    if ((p.state[4] > 0 || lamc_loop_is_faint(&p, count, FADING)) &&
-        solve_around(motion, &p, t, q, u, udot, lambda)) {
-      p.state[0] = (lamc_real)motion->model->rank; /* none is let go for good */
-      return motion->model->rank;
-    }
-    /* A stage of a Runge-Kutta step is off closure by the square of the step or so; divided by the square of the last
-     * pivot that is an acceleration out of nothing. On closure it is none. */
-    lamc_real moved = 0;
-    memcpy(p.y, q, (size_t)p.nq * sizeof *q);
-    memcpy(p.y + p.nq, u, (size_t)p.n * sizeof *u);
-    if (settle(motion, &p, t, p.y, &moved) == LAMC_OK) {
-      rates = p.y + p.nq;
-      count = prepare(motion, &p, t, p.y, rates);
-    } else {
-      count = prepare(motion, &p, t, q, u);
+    const int fades = p.state[4] > 0 || lamc_loop_is_faint(&p, count, FADING);
+    count = prepare_settled(motion, &p, t, q, u);
+    rates = p.settled + p.nq;
+    if (fades) {
+      const lamc_real off = count == rank ? round_off(&p, count) : LAMC_GREATEST;
+      solve(&p, count, t, rates, p.plain, NULL);
+      if (solve_around(motion, &p, t, q, u, off, udot, lambda)) {
+        p.state[0] = (lamc_real)rank; /* none is let go for good */
+        return rank;
+      }
+      count = prepare(motion, &p, t, p.settled, rates);
     }
   }
-  if (count < motion->model->rank) p.state[2] += 1;
+  if (count < rank) p.state[2] += 1;
   solve(&p, count, t, rates, udot, lambda);
   return count;
 }

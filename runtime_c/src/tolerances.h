@@ -26,6 +26,8 @@ static const lamc_real NO_EQUATION = 1e-5f;
 static const lamc_real FADING = 5e-2f;
 static const lamc_real NOISE = 2e-2f;
 static const lamc_real AROUND = 0.1f;
+static const lamc_real SMOOTH = 0.3f;
+static const lamc_real ALIKE = 1e-2f;
 #else
 #define LAMC_EPSILON DBL_EPSILON /* round-off of 1 */
 #define LAMC_LEAST DBL_MIN       /* the least number that can still be divided by */
@@ -41,6 +43,10 @@ static const lamc_real LOST = 1e-4;            /* rad, or of the size: no drift 
 static const lamc_real FADING = 3e-3; /* of a row of J: below, accelerations are those of places around */
 static const lamc_real AROUND =
     1e-2; /* rad, between these: digits go by the square, truncation by the sixth power */
+static const lamc_real SMOOTH =
+    0.1; /* of accelerations: what two places may differ from the state between them */
+static const lamc_real ALIKE =
+    1e-5; /* likewise: six of them; round-off of the state itself is 1e-6 at most */
 static const lamc_real NOISE = 1e-8; /* of what a row has left: where it may have more, a plan is left */
 static const lamc_real NO_EQUATION = 1e-12; /* of a row of J: less is left over from rounding the drawing */
 #endif

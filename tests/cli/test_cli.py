@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from click.testing import CliRunner, Result
 
 import lamc
 from lamc.cli import main
+from lamc.commands import terminal
 from lamc.commands.inputs import folder_name
 from lamc.run.defaults import default_rows
 from tests.support.ctools import needs_cc
@@ -176,6 +178,25 @@ def test_quiet_says_nothing_and_progress_is_plain_lines_on_stderr(tmp_path: Path
     assert (quiet.exit_code, quiet.stdout, quiet.stderr) == (0, "", "")
     loud = run(str(file), "--t-end", "0.1")
     assert "run …" in loud.stderr.splitlines()
+
+
+def test_a_stage_that_takes_long_says_that_it_goes_on(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(terminal, "_SILENT", 0.2)
+    monkeypatch.setattr(terminal, "_LEAST", 0.01)
+    said = ""
+    with terminal.PlainProgress() as lines:
+        lines.stage("compile")
+        until = time.monotonic() + 20.0  # a hundred times as long as it takes
+        while said.count("compile … 0 s") < 2 and time.monotonic() < until:
+            time.sleep(0.05)
+            said += capsys.readouterr().err
+    assert said.startswith("compile …\ncompile … 0 s\n")
+    before = threading.active_count()
+    with terminal.PlainProgress() as lines:
+        lines.stage("load")
+    assert threading.active_count() == before
 
 
 def test_drawn_limits_act_unless_the_scene_leaves_them_out(tmp_path: Path) -> None:

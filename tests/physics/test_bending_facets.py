@@ -15,7 +15,8 @@ import lamc
 from lamc.basics.errors import DesignError, DesignWarning
 from lamc.cli import main
 from lamc.loops.rank import LoopCount
-from lamc.readers.fold_bending import obstacle
+from lamc.loops.work import Limits
+from lamc.readers.fold_bending import NOWHERE, obstacle
 from lamc.records.mechanism import Mechanism
 from tests.support import fold_corpus
 from tests.support.ctools import needs_cc
@@ -224,7 +225,9 @@ def test_facets_stay_rigid_where_bending_ones_would_be_refused(
     """Nothing moves either way, and the reason is told; with facets that bend it would be how many they are."""
     path = drawn_by_eye(tmp_path, 1e-3)
     bent, _ = read(path)
-    monkeypatch.setattr("lamc.loops.work.MOST_HINGES", len(bent.joints) - 1)
+    for limits in ("SOON", "MOST"):
+        fewer = Limits(hinges=len(bent.joints) - 1, closing=10**6, numbers=10**6)
+        monkeypatch.setattr(f"lamc.readers.fold_sheet.{limits}", fewer)
     rigid, notes = read(path)
     assert len(rigid.bodies) == 12
     assert any("left rigid" in note and "--facets bend" in note for note in notes)
@@ -281,4 +284,21 @@ def test_creases_that_move_anyway_do_not_hide_those_that_crawl(
         raise DesignError("more free rates than branches are looked for")
 
     monkeypatch.setattr("lamc.readers.fold_bending.loops_of", refused)
-    assert obstacle(sheet) == ""
+    assert obstacle(sheet) == NOWHERE
+
+
+def test_facets_bend_where_nobody_knows_how_rigid_ones_begin(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As of a rounded sheet of hundreds of creases, of whose ways out of the plane none goes on: it is no way out to be
+    refused by the compiler. Here by what is counted of a vertex whose four sectors are no triangles."""
+
+    def refused(tree: object, scene: object) -> LoopCount:
+        raise DesignError("none of the ways that were tried goes on")
+
+    path = fold_corpus.write(tmp_path / "vertex.fold", fold_corpus.miura(2, 2))
+    monkeypatch.setattr("lamc.readers.fold_bending.loops_of", refused)
+    monkeypatch.setattr("lamc.readers.fold_bending.MOST", 4)  # it would take long to find out of the bent one
+    sheet, notes = read(path)
+    assert len(sheet.bodies) == 8
+    assert any(f"{NOWHERE}: they bend" in note for note in notes)

@@ -9,7 +9,7 @@ import pytest
 import shapely
 
 import lamc
-from lamc.basics.errors import DesignError
+from lamc.basics.errors import DesignError, DesignWarning
 from lamc.cli import main
 from lamc.codegen import build
 from lamc.commands.inputs import Source
@@ -33,30 +33,35 @@ def loaded(file: Path, **options: Any) -> Mechanism:
     return made
 
 
-@pytest.mark.parametrize("limit", ["MOST_HINGES", "MOST_CLOSING", "MOST_NUMBERS"])
-def test_loops_of_too_much_work_are_refused_with_their_numbers(
-    limit: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """3 x 3 facets have 12 creases and 4 vertices: 24 equations, and 4 rates free where they are flat."""
+# 3 x 3 facets have 12 creases and 4 vertices: 24 equations, and 4 rates free where they are flat.
+ENOUGH = work.Limits(hinges=12, closing=24, numbers=48)
+
+
+@pytest.mark.parametrize("limit", ["hinges", "closing", "numbers"])
+def test_loops_of_too_much_work_are_refused_with_their_numbers(limit: str, tmp_path: Path) -> None:
     sheet = loaded(miura(tmp_path))
-    monkeypatch.setattr(work, limit, {"MOST_HINGES": 11, "MOST_CLOSING": 23, "MOST_NUMBERS": 47}[limit])
+    less = ENOUGH._replace(**{limit: getattr(ENOUGH, limit) - 1})
     with pytest.raises(DesignError, match=r"12 hinges.* 24 closing equations, and 4 rates.*--large"):
-        work.check_work(sheet)
-    work.check_work(sheet, large=True)
+        work.check_work(sheet, less)
+    work.check_work(sheet, less, large=True)
 
 
-def test_limits_are_passed_by_one_more_only(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_limits_are_passed_by_one_more_only(tmp_path: Path) -> None:
+    work.check_work(loaded(miura(tmp_path)), ENOUGH)
+
+
+@needs_cc
+def test_loops_that_take_long_are_told_and_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sheet = loaded(miura(tmp_path))
-    for limit, value in (("MOST_HINGES", 12), ("MOST_CLOSING", 24), ("MOST_NUMBERS", 48)):
-        monkeypatch.setattr(work, limit, value)
-    work.check_work(sheet)
+    monkeypatch.setattr(work, "SOON", ENOUGH._replace(closing=23))
+    with pytest.warns(
+        DesignWarning, match="12 hinges, .* with more than 12, 23 and 4 it takes minutes until"
+    ):
+        assert lamc.compile(sheet).cut_joints
 
 
-def test_a_chain_has_no_closing_equations_and_any_number_of_hinges(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(work, "MOST_HINGES", 8)
-    work.check_work(loaded(hostile_corpus.strip(tmp_path, 12)))
+def test_a_chain_has_no_closing_equations_and_any_number_of_hinges(tmp_path: Path) -> None:
+    work.check_work(loaded(hostile_corpus.strip(tmp_path, 12)), ENOUGH._replace(hinges=8))
 
 
 @pytest.mark.filterwarnings("ignore::lamc.basics.errors.DesignWarning")
@@ -83,7 +88,8 @@ def test_the_option_says_that_it_is_meant(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], unpainted: None
 ) -> None:
     """`split` writes what it has and leaves the loops uncounted."""
-    monkeypatch.setattr(work, "MOST_HINGES", 11)
+    monkeypatch.setattr(work, "MOST", ENOUGH._replace(hinges=11))
+    monkeypatch.setattr("lamc.commands.split.SOON", ENOUGH._replace(hinges=11))
     with pytest.raises(DesignError, match="12 hinges"):
         lamc.compile(loaded(miura(tmp_path)))
     assert Source(sheet=SheetOptions(large=True)).options.large

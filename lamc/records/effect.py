@@ -11,6 +11,7 @@ import math
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from lamc.basics.checks import Array
@@ -160,7 +161,15 @@ def overrides(effect: Any, hook: str) -> bool:
 def check_hooks(effect: Any) -> None:
     """Raises DesignError for what is named nearly as a hook and is no field, and for a hook that cannot be asked: a
     method in the place of a property, another value in the place of a method, or one that takes other arguments."""
-    kind = type(effect)
+    kind: Any = type(effect)
+    problem = _problem_of_hooks(kind)
+    if problem:
+        raise DesignError(f"effect {effect.name!r}{problem}")
+
+
+@lru_cache(maxsize=256)  # classes: scenes of thousands of effects have few
+def _problem_of_hooks(kind: Any) -> str:
+    """What is the matter with a class of effects, to follow the name of one; empty of one that is in order."""
     for name in dir(kind):
         if name.startswith("_"):
             continue
@@ -168,14 +177,15 @@ def check_hooks(effect: Any) -> None:
         if name in HOOKS:
             problem = _hook_problem(name, own)
             if problem:
-                raise DesignError(f"effect {effect.name!r}: {name} {problem}")
+                return f": {name} {problem}"
         elif name not in getattr(kind, "__dataclass_fields__", {}):
             near = difflib.get_close_matches(name, HOOKS, n=1, cutoff=_LIKE)
             if near:
-                raise DesignError(
-                    f"effect {effect.name!r} has {'a method' if callable(own) else 'an attribute'} {name!r}, which "
-                    f"nothing asks for; did you mean {near[0]!r}? What is its own may begin with _"
+                return (
+                    f" has {'a method' if callable(own) else 'an attribute'} {name!r}, which nothing asks for; did you "
+                    f"mean {near[0]!r}? What is its own may begin with _"
                 )
+    return ""
 
 
 def _hook_problem(name: str, own: object) -> str:

@@ -34,7 +34,7 @@ NEARLY = 1e-4
 # 1e-3 and more; those of a hypar with one corner off by a pixel, which move exactly all the same, 1e-6.
 BARELY = 1e-5
 STILL = "nothing moves while facets are rigid"
-NOWHERE = "no way out of the flat position is found while facets are rigid"
+NOWHERE = "no way to begin is found while facets are rigid"
 MOST = 1500  # hinges: of more, it takes too long to find out whether rigid facets move
 
 

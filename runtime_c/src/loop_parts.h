@@ -69,8 +69,7 @@ typedef struct lamc_loop_parts {
   lamc_real *goal;       /* (m,) */
   lamc_real *qdot;       /* (nq,) */
   lamc_real *y;          /* (nq + n,): a settled copy of a state */
-  lamc_real
-      *settled; /* (nq + n,): the same of the state that was asked for, while places around are looked at */
+  lamc_real *settled;    /* (nq + n,): the same while places around are looked at */
   /* (LAMC_LOOPS_KEPT,): equations taken when a state was last settled, steps in a row with too few, accelerations with
    * too few, steps with too few, 1 where a row of J fades, 1 where the elimination was planned; work that was done, in
    * units of an addition and a multiplication, some nanosecond of a core */

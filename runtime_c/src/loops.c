@@ -152,7 +152,7 @@ static lamc_status settle(const lamc_motion *motion, lamc_loop_parts *p, lamc_re
   }
   const lamc_real tolerance = lamc_loop_gap(motion);
   if (!(open <= (LOST > tolerance ? LOST : tolerance))) return LAMC_CLOSURE_LOST;
-  if (p->is_sparse) count = lamc_loop_take(p);
+  if (p->count < 0) count = lamc_loop_take(p); /* what was taken nearby is not exact */
   /* Rates, by what of them opens the loops: the rest keeps its last digit */
   for (int i = 0; i < p->m; i++) p->goal[i] = lamc_loop_row(p, i, u);
   lamc_loop_solve(p, count, p->goal, NULL, p->step);
@@ -231,9 +231,9 @@ static int stays_faint(const lamc_motion *motion, lamc_loop_parts *p, const lamc
  * places on each side along the hinges' rates, by the polynomial through them: they are smooth along a branch, and there
  * is no other way to know them from so near. Where one of the places is as near to the singular position as this one was,
  * they are taken farther apart. Motions of several freedoms pass beside the singular position as well, where accelerations
- * turn with the state within the distance from it: the places, which are farther away, then know nothing of them. Their
- * own accelerations, in p->plain, are off by `plain_off` of themselves, and tell. Returns 0 where it is no
- * passage; the work is then that of another place. */
+ * turn with the state within the distance from it: the places, which are farther away, then know nothing of them. The
+ * state's own, in p->plain, are off by `plain_off` of themselves, and tell. Returns 0 where it is no passage; the work is
+ * then that of another place. */
 static int solve_around(const lamc_motion *motion, lamc_loop_parts *p, lamc_real t, const lamc_real *q,
                         const lamc_real *u, lamc_real plain_off, lamc_real *udot, lamc_real *lambda) {
   if (!(largest(p->beyond, u) > LAMC_LEAST) || something_yields(p)) return 0;
@@ -282,6 +282,7 @@ int lamc_loops_acceleration(const lamc_motion *motion, lamc_real t, const lamc_r
         return rank;
       }
       count = prepare(motion, &p, t, p.settled, rates);
+      p.state[0] = (lamc_real)count; /* the places settled last */
     }
   }
   if (count < rank) p.state[2] += 1;

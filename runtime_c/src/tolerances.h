@@ -43,10 +43,10 @@ static const lamc_real LOST = 1e-4;            /* rad, or of the size: no drift 
 static const lamc_real FADING = 3e-3; /* of a row of J: below, accelerations are those of places around */
 static const lamc_real AROUND =
     1e-2; /* rad, between these: digits go by the square, truncation by the sixth power */
-static const lamc_real SMOOTH =
-    0.1; /* of accelerations: what two places may differ from the state between them */
-static const lamc_real ALIKE =
-    1e-5; /* likewise: six of them; round-off of the state itself is 1e-6 at most */
+/* Of accelerations, but for round-off of the state's own: what two places around may differ from them, and six. In
+ * N-four-bars two differ by 5e-5, in popups beside a singular position by a third and more. */
+static const lamc_real SMOOTH = 0.1;
+static const lamc_real ALIKE = 1e-5;
 static const lamc_real NOISE = 1e-8; /* of what a row has left: where it may have more, a plan is left */
 static const lamc_real NO_EQUATION = 1e-12; /* of a row of J: less is left over from rounding the drawing */
 #endif

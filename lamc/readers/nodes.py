@@ -6,7 +6,7 @@ constructs, imports or calls anything here.
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from lamc.basics.errors import DesignError, Place
@@ -70,13 +70,14 @@ class MapNode(_NodeBase):
     """Keys may be any node: an older popupCAD form keys shapes by material objects."""
 
     pairs: "tuple[tuple[Node, Node], ...]"
+    _by_text: "dict[str, Node]" = field(default_factory=dict, init=False, repr=False)  # once it is asked for
 
     def get(self, key: str) -> "Node | None":
-        """The value under a scalar key of that text, or None."""
-        for k, v in self.pairs:
-            if isinstance(k, ScalarNode) and k.text == key:
-                return v
-        return None
+        """The value under a scalar key of that text, or None; the first of several."""
+        if self.pairs and not self._by_text:
+            known = {k.text: v for k, v in reversed(self.pairs) if isinstance(k, ScalarNode)}
+            self._by_text.update(known)  # at once, for whoever looks meanwhile
+        return self._by_text.get(key)
 
 
 Node = ScalarNode | ListNode | MapNode

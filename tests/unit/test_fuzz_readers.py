@@ -18,19 +18,8 @@ from tests.support.quick import tries
 
 # Small limits keep a case short; the largest real file here has 3000 values.
 LIMITS = Limits(bytes=200_000, nodes=20_000, depth=100)
-
-
-def _second() -> float:
-    """Processor time, s, of what takes a second where Python adds 10^6 numbers in a thirtieth of one: machines that run
-    tests take up to twice as long."""
-    began, total = time.process_time(), 0
-    for k in range(1_000_000):
-        total += k
-    return 30.0 * (time.process_time() - began)
-
-
-# A second is the promise; memory and caches are shared with other tests, so the bound here is larger.
-PATIENCE = 5.0 * max(1.0, _second())
+# A second is the promise; the machine may be busy with other tests at once, so the bound here is larger.
+PATIENCE = 5.0
 FEW = settings(
     max_examples=tries(60), deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )

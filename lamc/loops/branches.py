@@ -17,6 +17,7 @@ from lamc.loops.closing import CLOSED, SOLVE, settle
 from lamc.loops.geometry import LoopGeometry
 from lamc.loops.least_constraint import FEW, least_constrained
 from lamc.loops.linear import EXACT
+from lamc.loops.local_forms import LocalForms
 from lamc.loops.tangents import EXACTLY, FEW_FREE, Fit, Tangents, tangents
 from lamc.loops.walks import walk
 from lamc.loops.zeros import MOST, arrivals, binary, spherical, usual
@@ -29,6 +30,7 @@ BENDS = (
 FAINT = 1e-5  # of the largest singular value: of loops that hold so little, accelerations have six digits
 # Rad, of the joint that turns most: how far a start is moved for that, by at most so many steps.
 FARTHEST, MOST_STEPS = 0.05, 12
+LOOKS = 3  # steps from one look to the next at how weak the closure is, where one takes seconds
 BENT = 0.1  # of such a step: what is farther from the tangent is another motion
 # Of what single loads do along rates: as little is round-off of loads that balance one another.
 BALANCED = 1e-9
@@ -36,7 +38,13 @@ ASKED = 4  # directions about those that loads ask for, where not all branches a
 ABOUT = 0.3  # of each rate: as far apart are these, so that what is alike in two creases does not stay so
 # Of a sheet of one family: of more, each way to the cone takes a second, and the first one serves.
 FEW_JOINTS = 100
-CORNERS = 8  # such directions that are tried where a zero is a corner of its family
+# Directions about what loads ask for that are tried where a zero is a corner of its family; of many free rates.
+CORNERS, FEW_CORNERS = 8, 1
+# Random directions of many free rates: of sheets with narrow facets some 30 in turn lead to corners
+FEW_BACK = 8
+# Free rates of a sheet: of more, each ascent along the cone takes up to ten seconds and leads to a corner, as loads ask
+# for next to nothing of most creases; and to look at what is weak at a place takes up to five.
+MANY_FREE = 450
 
 
 @dataclass(frozen=True)
@@ -175,32 +183,57 @@ def _one_of_many(
 ) -> tuple[Branch, ...]:
     """An example of the family on which a flat sheet of many free rates goes on. No corner of it, where two parts of
     the family meet: what loads ask for alike of two lines that cross at a vertex leads there, as only one of them can
-    fold, and next to a corner the closure is as weak as in the flat position."""
+    fold, and next to a corner the closure is as weak as in the flat position. So corners come last, and of very many
+    vertices, of which some hardly hold at any zero, the one of which they hold most comes first."""
     local, basis = tangents.local, tangents.basis
     assert local is not None
-    led = None if lead is None else lead.asked(angles)
-    asked = [] if led is None else [led, *(led * (1.0 + ABOUT * local.random[:CORNERS]))]
     free = basis.shape[1]
     usual_freedoms = max(1, free - tangents.loose - len(local.joints)) + tangents.loose
     if rank is not None:
         usual_freedoms = basis.shape[0] - rank
-    corners: list[tuple[int, Array]] = []
-    by_work = len(angles) <= FEW_JOINTS
-    pushed = iter(()) if lead is None else _pushed(geometry, angles, tangents, lead, EXACTLY, by_work=by_work)
-    near = (local.nearest(basis, wanted) for wanted in [*asked, *(local.random * local.held)])
-    for rates in itertools.chain((basis @ x for x in pushed), near):
+    found: list[tuple[float, int, Array]] = []  # and not followed
+    for rates in itertools.chain(
+        _led(geometry, angles, tangents, lead), _anywhere(geometry, angles, local, basis)
+    ):
         if rates is None:
             continue
-        freedoms = local.freedoms(basis, rates, EXACTLY.family)
+        held, freedoms = local.holds(basis, rates, usual_freedoms, EXACTLY.family)
         rates = _normalised(rates, geometry.order, EXACTLY.same)
         if freedoms > usual_freedoms:
-            corners.append((freedoms, rates))
+            found.append((held, freedoms, rates))
         elif _goes_on(geometry, angles, rates, rank):
             return (_branch(geometry, rates, freedoms),)
-    for freedoms, rates in sorted(corners, key=lambda corner: corner[0]):
+    for _, freedoms, rates in sorted(found, key=lambda corner: (-corner[0], corner[1])):
         if _goes_on(geometry, angles, rates, rank):
             return (_branch(geometry, rates, freedoms),)
     return ()
+
+
+def _led(
+    geometry: LoopGeometry, angles: Array, tangents: Tangents, lead: Lead | None
+) -> Iterator[Array | None]:
+    """Rates (n,) that the second order allows where loads lead; None where one of them leads nowhere."""
+    local, basis = tangents.local, tangents.basis
+    assert local is not None
+    if lead is None:
+        return
+    many = basis.shape[1] > MANY_FREE
+    if not many:
+        pushed = _pushed(geometry, angles, tangents, lead, EXACTLY, by_work=len(angles) <= FEW_JOINTS)
+        yield from (basis @ x for x in pushed)
+    led = lead.asked(angles)
+    for beside in [0.0, *local.random[: FEW_CORNERS if many else CORNERS]]:
+        yield local.nearest(basis, led * (1.0 + ABOUT * beside))
+
+
+def _anywhere(
+    geometry: LoopGeometry, angles: Array, local: LocalForms, basis: Array
+) -> Iterator[Array | None]:
+    """The same near random rates, which are the same each time they are asked for."""
+    tries = local.random[:FEW_BACK] if basis.shape[1] > MANY_FREE else local.random
+    for number, row in enumerate(tries * local.held):
+        question = ("near random rates", angles.tobytes(), number)
+        yield geometry.lately(question, lambda row=row: local.nearest(basis, row))  # type: ignore[misc]
 
 
 def _goes_on(geometry: LoopGeometry, angles: Array, rates: Array, rank: int | None) -> bool:
@@ -264,20 +297,26 @@ def clear_of(
 def _clear_of(geometry: LoopGeometry, angles: Array, place: Array, cutoff: float, most_open: float) -> Array:
     way, step, linear = place - angles, OUT, geometry.linear(place)
     free = linear.nullity(cutoff)
-    for _ in range(MOST_STEPS):
-        motions, far = linear.free(cutoff), float(np.abs(place - angles).max())
-        known = linear.weak[0]
-        clear = float(known[free]) if free < len(known) else 1.0
-        ahead = motions.T @ (motions @ way)
-        if len(motions) != free or clear >= FAINT or far > 0.9 * FARTHEST or not np.abs(ahead).max() > 0.0:
+    looks = LOOKS if len(linear.weak[0]) > MANY_FREE else 1
+    for number in range(MOST_STEPS):
+        ahead, far = way, float(np.abs(place - angles).max())
+        if far > 0.9 * FARTHEST:
             break
-        ahead *= min(step, FARTHEST - far) / np.abs(ahead).max()
+        if number % looks == 0:
+            linear = geometry.linear(place).after(linear)
+            motions, known = linear.free(cutoff), linear.weak[0]
+            clear = float(known[free]) if free < len(known) else 1.0
+            ahead = motions.T @ (motions @ way)
+            if len(motions) != free or clear >= FAINT:
+                break
+        if not np.abs(ahead).max() > 0.0:
+            break
+        ahead = ahead * min(step, FARTHEST - far) / np.abs(ahead).max()
         held = int(np.argmax(np.abs(ahead)))
         following, error = settle(geometry, place + ahead, np.arange(len(place)) != held, max(cutoff, SOLVE))
         near = np.abs(following - place - ahead).max() < BENT * np.abs(ahead).max()
         if error <= most_open and near:
             way, place, step = following - place, following, 2.0 * step
-            linear = geometry.linear(place).after(linear)
         else:
             step *= 0.5
     return place

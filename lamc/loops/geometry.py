@@ -62,7 +62,7 @@ class LoopGeometry:
         )
 
         # A large matrix is taken apart in seconds, and asked for in one place after another.
-        self._linear = lru_cache(maxsize=2)(lambda packed: self.closure(np.frombuffer(packed))[1])
+        self._linear = lru_cache(maxsize=4)(lambda packed: self.closure(np.frombuffer(packed))[1])
 
     @cached_property
     def drawing(self) -> Hashable:

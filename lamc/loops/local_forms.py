@@ -86,10 +86,13 @@ class LocalForms:
             x = x / np.linalg.norm(x)
         return None
 
-    def freedoms(self, basis: Array, rates: Array, least: float) -> int:
-        """The dimension of the family of zeros around `rates` (n,)."""
-        strengths = singular_values(self.slopes(rates) @ basis)
-        return int(basis.shape[1] - (strengths > least).sum())
+    def holds(self, basis: Array, rates: Array, usual: int, least: float) -> tuple[float, int]:
+        """How much the slopes at zeros `rates` (n,) hold of the direction that they hold least, if they leave as many
+        free as is `usual`, 0 where that is round-off; and the dimension of the family there, slopes of up to `least`
+        taken for none."""
+        strengths, held = singular_values(self.slopes(rates) @ basis), basis.shape[1] - usual
+        weakest = float(strengths[held - 1]) if 0 < held <= len(strengths) else 0.0
+        return weakest if weakest > NOTHING else 0.0, int(basis.shape[1] - (strengths > least).sum())
 
     @cached_property
     def random(self) -> Array:

@@ -88,6 +88,7 @@ def _walk(
     open_most = CLOSED if cutoff <= EXACT and nullity is None else APART
     across = None if nullity is None else nullity - 1  # with the joint that leads held
     still = STILL if open_most == CLOSED or len(angles) <= DENSE else CREEPING
+    linear = geometry.linear(angles)
     for _ in range(count):
         lead = int(np.argmax(np.abs(tangent)))
         ahead = tangent * (step / abs(tangent[lead]))
@@ -98,7 +99,7 @@ def _walk(
         )
         if error > open_most or np.abs(following - angles - ahead).max() > reach:
             break
-        linear = geometry.linear(following)
+        linear = geometry.linear(following).after(linear)
         motions = linear.free(max(cutoff, EXACT)) if nullity is None else linear.weak[1][:nullity]
         if not len(motions):  # it closes here, and goes no farther
             break

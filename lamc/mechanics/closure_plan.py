@@ -109,7 +109,8 @@ class Elimination:
         self._updates: list[list[int]] = [[] for _ in rows]
         self._knows: dict[int, set[int]] = {}
         for i, row in enumerate(rows):
-            self._note(i, row)
+            for j in row:
+                self._knows.setdefault(j, set()).add(i)
         self._look(range(len(rows)))
 
     def sparsest(self) -> int:
@@ -127,23 +128,23 @@ class Elimination:
             self._knows[j].discard(index)
         pivot = min((len(self._knows[j]), j) for j, v in row.items() if abs(v) >= least)[1]
         step = PlanStep(index, tuple(self._updates[index]), (pivot, *(j for j in row if j != pivot)))
-        others = sorted(self._knows.pop(pivot))
+        others, left = sorted(self._knows.pop(pivot)), [(j, row[j]) for j in step.left[1:]]
         for i in others:
             other = self._rows[i]
             factor = other.pop(pivot) / row[pivot]
-            for j in step.left[1:]:
-                other[j] = other.get(j, 0.0) - factor * row[j]
+            for j, value in left:
+                known = other.get(j)
+                if known is None:
+                    other[j] = 0.0 - factor * value
+                    self._knows[j].add(i)
+                else:
+                    other[j] = known - factor * value
             self._updates[i].append(len(self.steps))
-            self._note(i, step.left[1:])
             self._noise[i] += abs(factor) * self._noise[index]
         self.work += len(others) * len(row)
         self.most_noise = max(self.most_noise, self._noise[index])
         self.steps.append(step)
         self._look((index, *others))
-
-    def _note(self, i: int, rates: Iterable[int]) -> None:
-        for j in rates:
-            self._knows.setdefault(j, set()).add(i)
 
     def _look(self, rows: Iterable[int]) -> None:
         for i in rows:

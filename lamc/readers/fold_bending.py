@@ -17,6 +17,7 @@ from lamc.loops.at_start import loops_of
 from lamc.loops.geometry import geometry_of
 from lamc.loops.misfit import length
 from lamc.loops.rank import LoopCount
+from lamc.loops.work import MOST, Work
 from lamc.mechanism.plan import plan
 from lamc.readers.fold_faces import Edge, Face
 from lamc.readers.fold_file import FoldFrame
@@ -35,7 +36,6 @@ NEARLY = 1e-4
 BARELY = 1e-5
 STILL = "nothing moves while facets are rigid"
 NOWHERE = "no way to begin is found while facets are rigid"
-MOST = 1500  # hinges: of more, it takes too long to find out whether rigid facets move
 
 
 def obstacle(sheet: Mechanism) -> str:
@@ -43,9 +43,9 @@ def obstacle(sheet: Mechanism) -> str:
     does, or where that would take long to find out."""
     if not sheet.joints:
         return STILL
-    tree = plan(sheet)
-    if len(sheet.joints) > MOST:
+    if not Work.of(sheet).is_within(MOST):
         return ""
+    tree = plan(sheet)
     # A vertex takes three freedoms at most, and a hole six: with fewer of them than that, some are left.
     closing = sum(cycle.kind.equations for cycle in geometry_of(tree).cycles)
     try:

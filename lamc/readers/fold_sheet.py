@@ -67,10 +67,11 @@ def sheet_mechanism(frame: FoldFrame, options: SheetOptions, stem: str) -> tuple
     bent, told = _bending(frame, sheet).mechanism(stem)
     if len(bent.joints) == len(made.joints):
         return made, notes
-    # What does not run at all while it is rigid may take longer.
-    limits = MOST if why in (STILL, NOWHERE) else SOON
+    # What does not run at all while it is rigid may take longer, and what takes long anyway.
+    rigid = Work.of(made)
+    limits = MOST if why in (STILL, NOWHERE) or not rigid.is_within(SOON) else SOON
     is_long = not options.large and not Work.of(bent).is_within(limits)
-    if not sheet.locked_most and is_long and Work.of(made).is_within(limits):
+    if not sheet.locked_most and is_long and rigid.is_within(MOST):
         notes.append(
             f"{why}: facets that bend would take minutes until they run, and are left rigid (--facets bend, with "
             "--large, has them)"

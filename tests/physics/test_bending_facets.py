@@ -14,10 +14,13 @@ from click.testing import CliRunner
 import lamc
 from lamc.basics.errors import DesignError, DesignWarning
 from lamc.cli import main
+from lamc.loops.at_start import loops_of
 from lamc.loops.rank import LoopCount
 from lamc.loops.work import Limits
+from lamc.mechanism.tree import Tree
 from lamc.readers.fold_bending import NOWHERE, obstacle
 from lamc.records.mechanism import Mechanism
+from lamc.records.scene import Scene
 from tests.support import fold_corpus
 from tests.support.ctools import needs_cc
 
@@ -235,6 +238,30 @@ def test_facets_stay_rigid_where_bending_ones_would_be_refused(
     assert len(meant.bodies) == len(bent.bodies)
 
 
+@pytest.mark.parametrize(
+    ("too_long", "bends"), [((), True), (("rigid",), True), (("bent",), False), (("all",), False)]
+)
+def test_facets_that_crawl_bend_where_that_is_no_more_work_than_is_done(
+    too_long: tuple[str, ...], bends: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """too_long: to be taken without a word, of rigid facets and so of all; of bending ones; to be taken at all, of
+    bending ones. What takes a while anyway may as well bend."""
+    path = fold_corpus.write(tmp_path / "vertex.fold", fold_corpus.miura(2, 2))
+    monkeypatch.setattr(
+        "lamc.readers.fold_sheet.obstacle", lambda sheet: "crawls" if len(sheet.bodies) == 4 else ""
+    )
+    rigid = Limits(hinges=4, closing=10**6, numbers=10**6)
+    few = {"rigid": 3, "bent": 4, "all": 3}
+    soon = rigid._replace(hinges=min((few[each] for each in too_long), default=100))
+    monkeypatch.setattr("lamc.readers.fold_sheet.SOON", soon)
+    monkeypatch.setattr(
+        "lamc.readers.fold_sheet.MOST", rigid._replace(hinges=4 if "all" in too_long else 100)
+    )
+    sheet, notes = read(path)
+    assert len(sheet.bodies) == (8 if bends else 4)
+    assert any(("left rigid" in note) is not bends for note in notes if "crawls" in note)
+
+
 def test_facets_bend_around_a_hole_whose_creases_do_not_meet(tmp_path: Path) -> None:
     """Four creases, as a pinwheel, are a loop of six equations: more than four, so that nothing moves."""
     outer = [(0, 0), (20, 0), (40, 0), (40, 20), (40, 40), (20, 40), (0, 40), (0, 20)]
@@ -293,12 +320,13 @@ def test_facets_bend_where_nobody_knows_how_rigid_ones_begin(
     """As of a rounded sheet of hundreds of creases, of whose ways out of the plane none goes on: it is no way out to be
     refused by the compiler. Here by what is counted of a vertex whose four sectors are no triangles."""
 
-    def refused(tree: object, scene: object) -> LoopCount:
-        raise DesignError("none of the ways that were tried goes on")
+    def rigid_refused(tree: Tree, scene: Scene) -> LoopCount:
+        if len(tree.hinges) == 4:
+            raise DesignError("none of the ways that were tried goes on")
+        return loops_of(tree, scene)
 
     path = fold_corpus.write(tmp_path / "vertex.fold", fold_corpus.miura(2, 2))
-    monkeypatch.setattr("lamc.readers.fold_bending.loops_of", refused)
-    monkeypatch.setattr("lamc.readers.fold_bending.MOST", 4)  # it would take long to find out of the bent one
+    monkeypatch.setattr("lamc.readers.fold_bending.loops_of", rigid_refused)
     sheet, notes = read(path)
     assert len(sheet.bodies) == 8
     assert any(f"{NOWHERE}: they bend" in note for note in notes)

@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 
 import lamc
-from lamc.loops.branches import clear_of, find_branches, moved_out
+from lamc.loops import branches
+from lamc.loops import geometry as geometry_module
+from lamc.loops.branches import Lead, clear_of, find_branches, moved_out
 from lamc.loops.geometry import geometry_of
 from lamc.loops.least_constraint import least_constrained
+from lamc.loops.local_forms import LocalForms
 from lamc.loops.rank import count_loops
 from lamc.loops.tangents import EXACTLY, FEW_FREE, tangents
 from lamc.mechanism.plan import plan
@@ -115,3 +118,59 @@ def test_a_start_goes_on_until_its_loops_hold_well(tmp_path: Path, monkeypatch: 
         assert weakest(place) >= factor * first or np.abs(place).max() > 0.9 * 0.05
         turned = place @ branch / np.linalg.norm(place) / np.linalg.norm(branch)
         assert turned > 0.99  # some degrees at 0.05 rad
+
+
+def test_a_sheet_of_very_many_free_rates_goes_on_by_rates_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its way is a zero of all forms, closes, and has the rank of the family; it is looked for without an ascent, from
+    few directions, and random ones are looked at once, whoever asks."""
+    geometry = geometry_of(plan(sheet(tmp_path, fold_corpus.yoshimura(6, 6), facets="rigid")))
+    flat = np.zeros(len(geometry.names))
+    local = tangents(geometry, flat)
+    rank = count_loops(geometry.tree).rank
+    monkeypatch.setattr(branches, "MANY_FREE", 0)
+    monkeypatch.setattr(branches, "least_constrained", None)  # not called
+    monkeypatch.setattr(geometry_module, "_lately", {})
+    tries: list[int] = []
+    nearest = LocalForms.nearest
+
+    def counted(self: LocalForms, basis: Array, rates: Array, *rounds: int) -> Array | None:
+        tries.append(len(rates))
+        return nearest(self, basis, rates, *rounds)
+
+    monkeypatch.setattr(LocalForms, "nearest", counted)
+    asked = np.zeros(len(flat))  # of which nothing comes
+    for _ in range(2):
+        (found,) = find_branches(geometry, flat, lead=Lead(lambda angles: asked), rank=rank)
+        rates = found.row(geometry.names)
+        assert local.residual(rates) < 1e-9
+        place = moved_out(geometry, flat, rates)
+        assert place is not None
+        assert geometry.linear(place).rank() == rank
+        assert found.freedoms == len(flat) - rank
+    assert len(tries) - 2 * (1 + branches.FEW_CORNERS) <= branches.FEW_BACK
+
+
+def test_a_place_clear_of_a_flat_one_may_be_looked_at_seldom(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It closes, has the rank of places beside it, and is about as far out."""
+    geometry = geometry_of(plan(sheet(tmp_path, fold_corpus.hypar(6), facets="rigid")))
+    flat = np.zeros(len(geometry.names))
+    way = find_branches(geometry, flat)[0].row(geometry.names)
+    beside = moved_out(geometry, flat, way)
+    assert beside is not None
+    monkeypatch.setattr(branches, "FAINT", 1.0)  # never clear enough: as far as it goes
+    usual = clear_of(geometry, flat, beside)
+    monkeypatch.setattr(geometry_module, "_lately", {})
+    monkeypatch.setattr(branches, "MANY_FREE", 0)
+    seldom = clear_of(geometry, flat, beside)
+    for place in (usual, seldom):
+        residual, linear = geometry.closure(place)
+        assert np.abs(residual).max() < 1e-11
+        assert linear.rank() == geometry.linear(beside).rank()
+        assert 0.8 * branches.FARTHEST < np.abs(place).max() < 1.2 * branches.FARTHEST
+    assert not np.array_equal(usual, seldom)  # the secant leads there, not the tangent
+    # Along one motion of one freedom both come to one place; of more, they differ by how it bends, at most a tenth.
+    assert np.abs(usual - seldom).max() < branches.BENT * branches.FARTHEST

@@ -12,7 +12,8 @@ def root(head: list[int], index: int) -> int:
     return index
 
 
-def unite(head: list[int], a: int, b: int) -> None:
-    """Joins the groups of a and b."""
+def unite(head: list[int], a: int, b: int) -> bool:
+    """Joins the groups of a and b. Returns whether they were apart."""
     low, high = sorted((root(head, a), root(head, b)))
     head[high] = low
+    return low != high

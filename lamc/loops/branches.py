@@ -188,7 +188,7 @@ def _one_of_many(
     local, basis = tangents.local, tangents.basis
     assert local is not None
     free = basis.shape[1]
-    usual_freedoms = max(1, free - tangents.loose - len(local.joints)) + tangents.loose
+    usual_freedoms = max(1, free - tangents.loose - local.forms) + tangents.loose
     if rank is not None:
         usual_freedoms = basis.shape[0] - rank
     found: list[tuple[float, int, Array]] = []  # and not followed

@@ -34,6 +34,9 @@ Ring = tuple[int, ...]  # indices of edges in the order of a closed way
 CLEAR = 0.5
 MOST_LOOKED_AROUND = 400  # hinges: of more, longer ways than make a basis take seconds to look for
 FIRST_REACH = 3  # hinges from a root: cycles of 6 and most of 7 are among the first candidates
+# Hinges from a root, of so many hinges: what is left then are ways around holes, up to so many, whose candidates would
+# be all ways as long.
+FAR_REACH, FEW_LEFT = 12, 8
 
 
 class Kind(Enum):
@@ -110,9 +113,11 @@ def shortest_basis(
         candidates = _candidates(edges, rank, reach)
         counts = tuple(equations(candidates))
         wider = _basis(edges, rank, reach, counts)
-        if wider is not None:
+        if len(wider) < _wanted(edges) and reach >= FAR_REACH and len(edges) > MOST_LOOKED_AROUND:
+            wider = _completed(edges, rank, wider, equations)
+        if len(wider) == _wanted(edges):
             known = dict(zip(candidates, counts, strict=True))
-            costs = [known[ring] for ring in wider]
+            costs = [known.get(ring) or equations([ring])[0] for ring in wider]
             if basis is not None and sum(costs) >= cost:
                 return basis
             basis, cost = wider, sum(costs)
@@ -126,14 +131,98 @@ def shortest_basis(
 @lru_cache(maxsize=4)  # drawings of one topology have one, whatever their numbers
 def _basis(
     edges: tuple[Edge, ...], rank: tuple[int, ...], reach: int, equations: tuple[int, ...]
-) -> tuple[Ring, ...] | None:
-    """That of the candidates within reach; None where they are too few."""
-    nodes = _nodes(edges)
-    wanted = len(edges) - len(nodes) + _pieces(nodes, edges)
+) -> tuple[Ring, ...]:
+    """That of the candidates within reach, which may be too few."""
     candidates = _candidates(edges, rank, reach)
     order = sorted(range(len(candidates)), key=equations.__getitem__)  # stable: the shorter ones first
-    basis = _independent([candidates[k] for k in order], wanted)
-    return tuple(basis) if len(basis) == wanted else None
+    return tuple(_independent([candidates[k] for k in order], _wanted(edges)))
+
+
+@lru_cache(maxsize=4)
+def _wanted(edges: tuple[Edge, ...]) -> int:
+    """How many cycles a basis has."""
+    nodes = _nodes(edges)
+    return len(edges) - len(nodes) + _pieces(nodes, edges)
+
+
+def _completed(
+    edges: tuple[Edge, ...],
+    rank: tuple[int, ...],
+    basis: tuple[Ring, ...],
+    equations: Callable[[Sequence[Ring]], Sequence[int]],
+) -> tuple[Ring, ...]:
+    """The basis with the few rings that it lacks, of least equations and then of edges among the shortest ones through
+    each node; as it is where they are many.
+
+    Of independent sets of edges that meet each ring of the basis evenly often, a ring that meets one of them oddly
+    often is independent of the basis. The others are changed to meet it evenly (J. C. de Pina, "Applications of
+    shortest path methods", 1995; T. Kavitha et al., "Cycle bases in graphs", 2009, section 4).
+    """
+    if _wanted(edges) - len(basis) > FEW_LEFT:
+        return basis
+    at = _incidence(_nodes(edges), edges, rank)
+    sets, found = _across(edges, rank, basis), list(basis)
+    for number, across in enumerate(sets):
+        odd = {edge for edge in range(len(edges)) if across >> rank[edge] & 1}
+        ways = (_odd_way(node, at, odd) for node in {edges[edge].parent for edge in odd})
+        rings = list({_from_least(way, rank) for way in ways if way is not None})
+        counts = dict(zip(rings, equations(rings), strict=True))
+        found.append(min(rings, key=lambda ring: (counts[ring], len(ring), [rank[edge] for edge in ring])))
+        met = sum(1 << rank[edge] for edge in found[-1])
+        for later in range(number + 1, len(sets)):
+            if (sets[later] & met).bit_count() % 2:
+                sets[later] ^= across
+    return tuple(found)
+
+
+def _across(edges: Sequence[Edge], rank: Sequence[int], basis: Sequence[Ring]) -> list[int]:
+    """Independent sets of edges that meet each ring of the basis evenly often, and not all rings; as whole numbers with
+    a bit at the rank of each edge. None has an edge of a spanning tree, so that there are as many as rings lack."""
+    nodes = _nodes(edges)
+    place, head = {node: index for index, node in enumerate(nodes)}, list(range(len(nodes)))
+    beside = 0  # edges beside the tree
+    for index in sorted(range(len(edges)), key=rank.__getitem__):
+        if not unite(head, place[edges[index].parent], place[edges[index].child]):
+            beside |= 1 << rank[index]
+    rows: dict[int, int] = {}  # by leading bit; no other row has it
+    for ring in basis:
+        row = sum(1 << rank[edge] for edge in ring) & beside
+        for lead, known in rows.items():
+            if row >> lead & 1:
+                row ^= known
+        lead = row.bit_length() - 1
+        for other, known in rows.items():
+            if known >> lead & 1:
+                rows[other] = known ^ row
+        rows[lead] = row
+    free = [k for k in range(len(edges)) if beside >> k & 1 and k not in rows]
+    return [(1 << k) | sum(1 << lead for lead, row in rows.items() if row >> k & 1) for k in free]
+
+
+def _odd_way(start: int, at: dict[int, list[tuple[int, int]]], odd: set[int]) -> list[int] | None:
+    """The shortest closed way from a node that passes edges of a set oddly often; None where it passes a node twice."""
+    before: dict[tuple[int, bool], tuple[int, tuple[int, bool]]] = {(start, False): (-1, (start, False))}
+    queue, goal = deque(before), (start, True)
+    while queue and goal not in before:
+        state = queue.popleft()
+        for edge, far in at[state[0]]:
+            reached = far, state[1] ^ (edge in odd)
+            if reached not in before:
+                before[reached] = edge, state
+                queue.append(reached)
+    way, nodes, state = [], set(), goal
+    while state in before and before[state][0] >= 0:
+        edge, state = before[state]
+        way.append(edge)
+        nodes.add(state[0])
+    return way if way and len(nodes) == len(way) else None
+
+
+def _from_least(way: list[int], rank: Sequence[int]) -> Ring:
+    """The same closed way from its edge of least rank on, towards that of its neighbours of lesser rank."""
+    first = min(range(len(way)), key=lambda k: rank[way[k]])
+    turned = way[first:] + way[:first]
+    return tuple(turned if rank[turned[1]] < rank[turned[-1]] else [turned[0], *reversed(turned[1:])])
 
 
 def _independent(candidates: Sequence[Ring], wanted: int) -> list[Ring]:

@@ -8,6 +8,7 @@ A flat vertex lets its creases' rates u go on where Σ_{i<j} sin(θ_j - θ_i) u_
 its creases hold it in the plane to first order (T. Tachi, Simulation of rigid origami, 2009).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -25,18 +26,20 @@ FRUITLESS = 20  # rounds in which forms come no nearer to nothing by half: other
 ARRIVED = 1e-12  # of a form, of rates of length one
 RIDGE = 1e-14  # of the largest: forms that depend on one another are solved for all the same
 FAINT = 3e-7  # of the slopes: what is less is hardly followed, where forms are more than unknowns
+WIDE = 4  # times the usual number of joints: so many have ways around holes, whose matrices have its square
 BACK = 30  # random directions that are tried where one leads nowhere
 
 
 @dataclass(frozen=True, eq=False)
 class LocalForms:
-    """Forms Q_c of cycles, scaled to one: joints (c, w) of each, padded by 0; matrices (c, w, w), padded by zeros.
+    """Forms Q_c of cycles, scaled to one.
 
-    held  (n,), of all joints: those of some loop; others, as those of flaps, are free by themselves
+    groups  of forms of about as many joints, one after the other: joints (c, w) of each, padded by 0, and matrices
+            (c, w, w), padded by zeros
+    held    (n,), of all joints: those of some loop; others, as those of flaps, are free by themselves
     """
 
-    joints: npt.NDArray[np.int64]
-    matrices: Array
+    groups: tuple[tuple[npt.NDArray[np.int64], Array], ...]
     held: npt.NDArray[np.bool_]
 
     @property
@@ -44,19 +47,29 @@ class LocalForms:
         """n, of all joints."""
         return len(self.held)
 
+    @property
+    def forms(self) -> int:
+        """c, of all groups."""
+        return sum(len(joints) for joints, _ in self.groups)
+
     def values(self, rates: Array) -> Array:
         """(c,): u Q u, of rates (n,)."""
-        local = rates[self.joints]
-        return np.asarray(np.einsum("ca,cab,cb->c", local, self.matrices, local))
+        parts = [
+            np.einsum("ca,cab,cb->c", u := rates[joints], matrices, u) for joints, matrices in self.groups
+        ]
+        return np.concatenate(parts)
 
     def slopes(self, rates: Array) -> Any:
         """(c, n), sparse: 2 Q u."""
         from scipy import sparse
 
-        entries = 2.0 * np.einsum("cab,cb->ca", self.matrices, rates[self.joints])
-        rows = np.repeat(np.arange(len(self.joints)), self.joints.shape[1])
-        shape = (len(self.joints), self.count)
-        return sparse.csr_array((entries.ravel(), (rows, self.joints.ravel())), shape=shape)
+        def part(joints: npt.NDArray[np.int64], matrices: Array) -> Any:
+            entries = 2.0 * np.einsum("cab,cb->ca", matrices, rates[joints])
+            rows = np.repeat(np.arange(len(joints)), joints.shape[1])
+            shape = (len(joints), self.count)
+            return sparse.csr_array((entries.ravel(), (rows, joints.ravel())), shape=shape)
+
+        return sparse.vstack([part(*group) for group in self.groups], format="csr")
 
     def nearest(self, basis: Array, rates: Array, rounds: int = ROUNDS) -> Array | None:
         """Rates (n,) of length one in the span of `basis` (n, d), orthonormal, zeros of all forms, near `rates` (n,);
@@ -133,13 +146,23 @@ def local_forms(geometry: LoopGeometry, angles: Array) -> LocalForms | None:
                     matrices.append(bias[c, k] / np.linalg.norm(bias[c, k]))
     if not joints:
         return None
-    width = max(len(each) for each in joints)
-    padded = np.zeros((len(joints), width), dtype=np.int64)
-    forms = np.zeros((len(joints), width, width))
-    for row, (own, form) in enumerate(zip(joints, matrices, strict=True)):
-        padded[row, : len(own)] = own
-        forms[row, : len(own), : len(own)] = form
     in_loops = np.zeros(len(geometry.names), dtype=bool)
     for cycle in geometry.cycles:
         in_loops[list(cycle.joints)] = True
-    return LocalForms(padded, forms, in_loops)
+    usual = WIDE * int(np.median([len(each) for each in joints]))
+    of_vertices = [k for k, each in enumerate(joints) if len(each) <= usual]
+    of_holes = [k for k, each in enumerate(joints) if len(each) > usual]
+    groups = tuple(_padded(joints, matrices, taken) for taken in (of_vertices, of_holes) if taken)
+    return LocalForms(groups, in_loops)
+
+
+def _padded(
+    joints: Sequence[npt.NDArray[np.int64]], matrices: Sequence[Array], taken: Sequence[int]
+) -> tuple[npt.NDArray[np.int64], Array]:
+    """A group of some of the forms."""
+    width = max(len(joints[k]) for k in taken)
+    own, forms = np.zeros((len(taken), width), dtype=np.int64), np.zeros((len(taken), width, width))
+    for row, k in enumerate(taken):
+        size = len(joints[k])
+        own[row, :size], forms[row, :size, :size] = joints[k], matrices[k]
+    return own, forms

@@ -68,7 +68,7 @@ class Tangents:
     @property
     def count(self) -> int:
         """How many forms there are; none of a regular position, or where there are too many to know."""
-        return len(self.forms) if self.local is None else len(self.local.joints)
+        return len(self.forms) if self.local is None else self.local.forms
 
     @property
     def is_one_family(self) -> bool:

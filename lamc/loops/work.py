@@ -27,9 +27,9 @@ class Limits(NamedTuple):
 # Grids of 20 x 20 and of 21 x 21 squares with diagonals have 513 000 and 624 000 numbers, and take 24 and 26 s where a
 # core adds the 10^7 numbers in 0.5 s; the Miura sheet has 0.1 million.
 SOON = Limits(hinges=3000, closing=6000, numbers=640_000)
-# Beyond that it takes one to three minutes, which is told. Grids of 31 x 31 and of 36 x 36 squares with diagonals have
-# 2.9 and 5.2 million numbers, and take 52 and 95 s on a core that adds the 10^7 numbers in 0.5 s.
-MOST = Limits(hinges=5000, closing=12_000, numbers=5_500_000)
+# Beyond that it takes one to three minutes, which is told. Grids of 31 x 31, 36 x 36 and 39 x 39 squares with diagonals
+# have 2.9, 5.2 and 7.2 million numbers, and take 53, 95 and 134 s on a core that adds the 10^7 numbers in 0.5 s.
+MOST = Limits(hinges=5000, closing=12_000, numbers=7_500_000)
 
 
 @dataclass(frozen=True)

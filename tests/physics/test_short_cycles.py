@@ -1,6 +1,7 @@
 """Short cycles of mechanisms, and what closes along them against another formulation: both sides of the hinges that a
 spanning tree leaves out meet."""
 
+import random
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 
 import lamc
 from lamc.examples.miura import miura
+from lamc.loops import cycles
 from lamc.loops.cycles import Edge, Kind, short_cycles, shortest_basis
 from lamc.mechanism.plan import plan
 from lamc.readers.load import load_text
@@ -87,6 +89,68 @@ def test_a_vertex_of_many_creases_is_found_behind_a_short_way_around_all() -> No
     basis = shortest_basis(edges, tuple(range(len(edges))), equations)
     assert len(basis) == len(edges) - 21 + 1
     assert {frozenset(ring) for ring in basis} == faces
+
+
+def annuli(around: int, rows: int, count: int) -> list[Edge]:
+    """Rings of facets about holes, each with the next at one facet."""
+    edges = []
+    for number in range(count):
+        first = number * around * rows
+        for i in range(rows):
+            for k in range(around):
+                node = first + i * around + k
+                edges.append(Edge(node, first + i * around + (k + 1) % around))
+                if i + 1 < rows:
+                    edges.append(Edge(node, node + around))
+        if number:
+            edges.append(Edge(first, first - 1))
+    return edges
+
+
+@pytest.mark.parametrize(("around", "rows", "count"), [(9, 3, 1), (12, 2, 3), (15, 1, 4), (30, 4, 2)])
+def test_ways_around_holes_are_as_short_without_all_ways_as_long(
+    around: int, rows: int, count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Horton's candidates within half of the way around a hole hold a basis of least length, as he proved. The few that
+    lack within a shorter reach are found by sets of edges that they meet oddly often; whatever the order of edges."""
+    edges = annuli(around, rows, count)
+    widest = shortest_basis(tuple(edges), tuple(range(len(edges))), alike)
+    assert Counter(map(len, widest)) == Counter({4: count * around * (rows - 1), around: count})
+    monkeypatch.setattr(cycles, "MOST_LOOKED_AROUND", 0)
+    monkeypatch.setattr(cycles, "FAR_REACH", 3)
+    rank, chance = list(range(len(edges))), random.Random(3)
+    ways = set()
+    for _ in range(3):
+        basis = shortest_basis(tuple(edges), tuple(rank), alike)
+        assert Counter(map(len, basis)) == Counter(map(len, widest))
+        assert np.linalg.matrix_rank([[edge in ring for edge in range(len(edges))] for ring in basis]) == len(
+            basis
+        )
+        for ring in basis:
+            ends = Counter(end for edge in ring for end in (edges[edge].parent, edges[edge].child))
+            assert set(ends.values()) == {2}
+            for one, after in zip(ring, (*ring[1:], ring[0]), strict=True):  # in the order of the way
+                a, b = edges[one], edges[after]
+                assert {a.parent, a.child} & {b.parent, b.child}
+        ways.add(frozenset(frozenset(rank[edge] for edge in ring) for ring in basis))
+        together = list(zip(edges, rank, strict=True))
+        chance.shuffle(together)
+        edges, rank = [edge for edge, _ in together], [number for _, number in together]
+    assert len(ways) == 1
+
+
+def test_of_ways_around_a_hole_one_of_few_equations_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The one farther out, as of a hub: it is not the first of those that are as long."""
+    monkeypatch.setattr(cycles, "MOST_LOOKED_AROUND", 0)
+    monkeypatch.setattr(cycles, "FAR_REACH", 3)
+    edges = tuple(annuli(10, 3, 1))
+    outer = frozenset(k for k, edge in enumerate(edges) if min(edge.parent, edge.child) >= 20)
+    assert len(outer) == 10
+
+    def equations(rings: Sequence[tuple[int, ...]]) -> list[int]:
+        return [3 if frozenset(ring) == outer or len(ring) == 4 else 6 for ring in rings]
+
+    assert outer in {frozenset(ring) for ring in shortest_basis(edges, tuple(range(len(edges))), equations)}
 
 
 @needs_cc

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -232,6 +233,39 @@ def test_ends_that_fall_short_of_a_corner_are_drawn_on_to_it() -> None:
     corner = [line((0, 0), (9.98, 0)), line((10, 10), (10, 0.02))]
     graph = healed(corner, HEAL)
     assert graph.points[1] == pytest.approx([1e-2, 0.0], abs=1e-15)
+
+
+@pytest.mark.parametrize("over", [0.01, 0.03, 0.2])
+def test_the_end_of_a_curve_beyond_the_corner_that_others_join_is_cut_back(over: float) -> None:
+    """Its last corner has more lines than their single ends, and its own end joins no other point of it. By more than
+    the tolerance it is no mend, and a piece that parts nothing."""
+    ends = [line((0, 20), (19.99, 20), source="left"), line((20, 0), (20, 19.98), source="below")]
+    curve = line((20, 40), (20.2, 30), (20, 20), (20 + over, 20 - 0.1 * over), source="curve")
+    for strokes in ([square(0, 0, 40), *ends, curve], [curve, *ends[::-1], square(0, 0, 40)]):
+        graph = healed(strokes, HEAL)
+        loose = (np.bincount(np.array(graph.edges).ravel()) == 1).sum()
+        back = [mend for mend in graph.mends if mend.what == "hinge cut back"]
+        assert loose == (1 if 1e-3 * over > HEAL else 0)
+        assert [mend.source for mend in back] == ([] if loose else ["curve"])
+        assert all(mend.moved == pytest.approx(1e-3 * np.hypot(over, 0.1 * over)) for mend in back)
+        enclosed = shapely.polygonize(shapely.linestrings(graph.points[np.array(graph.edges)]))
+        assert len(enclosed.geoms) == 3
+
+
+@pytest.mark.parametrize("along", [0.0, 0.02, 0.045, 0.049, 0.06])
+def test_an_end_beside_a_line_near_its_corner_joins_one_of_both(along: float) -> None:
+    """It stops 0.045 mm short of an edge of a rim that has 16 of them, so far from a corner of it: within the
+    tolerance of the edge, and beyond that of the corner by up to 2 in the middle of the cases."""
+    turns = 2.0 * math.pi * np.arange(16) / 16
+    rim = 20.0 * np.column_stack([np.cos(turns), np.sin(turns)])
+    way = (rim[1] - rim[0]) / np.linalg.norm(rim[1] - rim[0])
+    inward = np.array([-way[1], way[0]])
+    end = rim[0] + along * way + 0.045 * inward
+    strokes = [line(*rim, role="border", closed=True), line(rim[8], end)]
+    graph = healed(strokes, HEAL)
+    assert np.bincount(np.array(graph.edges).ravel()).min() == 2
+    made = sheet(strokes)
+    assert (len(made.bodies), len(made.joints)) == (2, 1)
 
 
 def test_dots_are_stray_and_told() -> None:

@@ -51,6 +51,11 @@ class Segments:
     def renumbered(self, number: Indices) -> "Segments":
         return Segments(number[self.a], number[self.b], self.owner)
 
+    def without(self, left_out: Iterable[int]) -> "Segments":
+        """But for some of them, by their indices."""
+        kept = np.setdiff1d(np.arange(len(self)), list(left_out))
+        return Segments(self.a[kept], self.b[kept], self.owner[kept])
+
     def line_at(self, vertex: int, at: Array) -> tuple[Array, Array]:
         """The places of a vertex at which one segment ends, and of the segment's other end."""
         s = int(np.flatnonzero((self.a == vertex) | (self.b == vertex))[0])
@@ -147,6 +152,10 @@ def near_pairs(at: Array, segments: Segments, near: float, exact: float) -> tupl
     # Beside an end the next corner of a curve through that end would be taken for one that should lie on the line.
     margin = np.where(apart > exact, near, exact)
     within = (share > margin) & (share < length - margin)
+    # A line that ends there is no such curve, and joins that end only where it is near enough.
+    to_ends = [np.linalg.norm(at[v] - at[end], axis=1) for end in (segments.a[s], segments.b[s])]
+    is_tip = (segments.degrees(len(at))[v] == 1) & (np.minimum(*to_ends) > near)
+    within |= is_tip & (share > exact) & (share < length - exact)
     v, s, apart = v[within], s[within], apart[within]
     order = np.lexsort((s, v))
     return v[order], s[order], apart[order]

@@ -103,7 +103,7 @@ class _Healer:
             self._leave_doubled()
             if len(self.segments) > MOST_EDGES:
                 raise _too_many()
-            if not (self._part_at_vertices() or self._part_at_crossings()):
+            if not (self._part_at_vertices() or self._part_at_crossings() or self._cut_back()):
                 return self._ordered()
             self._join(self.exact)
         raise DesignError(
@@ -253,6 +253,34 @@ class _Healer:
         self.at = np.concatenate([self.at, found])
         self.segments = self.segments.parted({s: sorted(set(v)) for s, v in cuts.items()}, self.at)
         return True
+
+    def _cut_back(self) -> bool:
+        """Leaves out what runs over a junction by no more than the tolerance, as a curve may whose pieces are shorter
+        than that: its end joins no point of its own stroke. True where something did."""
+        if self.near <= self.exact:
+            return False
+        degree = self.segments.degrees(len(self.at))
+        touching: dict[int, list[int]] = {}
+        for s, (a, b, _) in enumerate(self.segments.rows()):
+            touching.setdefault(a, []).append(s)
+            touching.setdefault(b, []).append(s)
+        over: set[int] = set()
+        for tip in np.flatnonzero(degree == 1).tolist():
+            way, v, long = [touching[tip][0]], tip, 0.0
+            while True:
+                long += self._length(way[-1])
+                v = int(self.segments.a[way[-1]] + self.segments.b[way[-1]]) - v
+                if degree[v] != 2 or long > self.near:
+                    break
+                way += [s for s in touching[v] if s != way[-1]]
+            if degree[v] > 2 and long <= self.near:
+                over.update(way)
+                k = int(self.segments.owner[way[0]])
+                kind = "hinge" if self.strokes[k].role in CREASES else "line"
+                self._tell(f"{kind} cut back", self.at[v], long, self._sources([k]))
+        if over:
+            self.segments = self.segments.without(over)
+        return bool(over)
 
     def _leave_doubled(self) -> None:
         """Segments without length, and all but one of those between the same vertices."""

@@ -40,7 +40,8 @@ ABOUT = 0.3  # of each rate: as far apart are these, so that what is alike in tw
 FEW_JOINTS = 100
 # Directions about what loads ask for that are tried where a zero is a corner of its family; of many free rates.
 CORNERS, FEW_CORNERS = 8, 1
-# Random directions of many free rates: of sheets with narrow facets some 30 in turn lead to corners
+# Random directions of many free rates: where these lead to corners, so do 30, as vertices of narrow facets hold little
+# at any zero.
 FEW_BACK = 8
 # Free rates of a sheet: of more, each ascent along the cone takes up to ten seconds and leads to a corner, as loads ask
 # for next to nothing of most creases; and to look at what is weak at a place takes up to five.
@@ -191,7 +192,7 @@ def _one_of_many(
     usual_freedoms = max(1, free - tangents.loose - local.forms) + tangents.loose
     if rank is not None:
         usual_freedoms = basis.shape[0] - rank
-    found: list[tuple[float, int, Array]] = []  # and not followed
+    corners: list[tuple[float, int, Array]] = []
     for rates in itertools.chain(
         _led(geometry, angles, tangents, lead), _anywhere(geometry, angles, local, basis)
     ):
@@ -200,10 +201,10 @@ def _one_of_many(
         held, freedoms = local.holds(basis, rates, usual_freedoms, EXACTLY.family)
         rates = _normalised(rates, geometry.order, EXACTLY.same)
         if freedoms > usual_freedoms:
-            found.append((held, freedoms, rates))
+            corners.append((held, freedoms, rates))
         elif _goes_on(geometry, angles, rates, rank):
             return (_branch(geometry, rates, freedoms),)
-    for _, freedoms, rates in sorted(found, key=lambda corner: (-corner[0], corner[1])):
+    for _, freedoms, rates in sorted(corners, key=lambda corner: (-corner[0], corner[1])):
         if _goes_on(geometry, angles, rates, rank):
             return (_branch(geometry, rates, freedoms),)
     return ()

@@ -107,7 +107,8 @@ def shortest_basis(
     edges: tuple[Edge, ...], rank: tuple[int, ...], equations: Callable[[Sequence[Ring]], Sequence[int]]
 ) -> tuple[Ring, ...]:
     """Cycles as rings of edge indices, of least numbers of `equations` of those looked at, then of edges; ties are
-    broken by `rank` of these. Those looked at are short ways from some node to both ends of an edge."""
+    broken by `rank` of these. Those looked at are short ways from some node to both ends of an edge, and the shortest
+    ones around few holes."""
     reach, basis, cost = FIRST_REACH, None, 0
     while True:
         candidates = _candidates(edges, rank, reach)

@@ -24,9 +24,12 @@ NOTHING = 1e-9  # of a form, beside those of one: round-off of the drawing's cor
 ROUNDS = 60  # of Newton's method, which needs ten
 FRUITLESS = 20  # rounds in which forms come no nearer to nothing by half: others lead somewhere after a dozen
 ARRIVED = 1e-12  # of a form, of rates of length one
+AT_CORNER = (
+    5e-6  # of the slopes: a corner is a double zero, and known to the root of ARRIVED and a few times that
+)
 RIDGE = 1e-14  # of the largest: forms that depend on one another are solved for all the same
 FAINT = 3e-7  # of the slopes: what is less is hardly followed, where forms are more than unknowns
-WIDE = 4  # times the usual number of joints: so many have ways around holes, whose matrices have its square
+WIDE = 4  # times the usual number of joints: ways around holes have more, and stand apart, as matrices have its square
 BACK = 30  # random directions that are tried where one leads nowhere
 
 
@@ -101,11 +104,11 @@ class LocalForms:
 
     def holds(self, basis: Array, rates: Array, usual: int, least: float) -> tuple[float, int]:
         """How much the slopes at zeros `rates` (n,) hold of the direction that they hold least, if they leave as many
-        free as is `usual`, 0 where that is round-off; and the dimension of the family there, slopes of up to `least`
-        taken for none."""
+        free as is `usual`, 0 at a corner; and the dimension of the family there, slopes of up to `least` taken for
+        none."""
         strengths, held = singular_values(self.slopes(rates) @ basis), basis.shape[1] - usual
         weakest = float(strengths[held - 1]) if 0 < held <= len(strengths) else 0.0
-        return weakest if weakest > NOTHING else 0.0, int(basis.shape[1] - (strengths > least).sum())
+        return weakest if weakest > AT_CORNER else 0.0, int(basis.shape[1] - (strengths > least).sum())
 
     @cached_property
     def random(self) -> Array:

@@ -252,20 +252,36 @@ def test_the_end_of_a_curve_beyond_the_corner_that_others_join_is_cut_back(over:
         assert len(enclosed.geoms) == 3
 
 
-@pytest.mark.parametrize("along", [0.0, 0.02, 0.045, 0.049, 0.06])
-def test_an_end_beside_a_line_near_its_corner_joins_one_of_both(along: float) -> None:
-    """It stops 0.045 mm short of an edge of a rim that has 16 of them, so far from a corner of it: within the
-    tolerance of the edge, and beyond that of the corner by up to 2 in the middle of the cases."""
-    turns = 2.0 * math.pi * np.arange(16) / 16
-    rim = 20.0 * np.column_stack([np.cos(turns), np.sin(turns)])
-    way = (rim[1] - rim[0]) / np.linalg.norm(rim[1] - rim[0])
-    inward = np.array([-way[1], way[0]])
-    end = rim[0] + along * way + 0.045 * inward
-    strokes = [line(*rim, role="border", closed=True), line(rim[8], end)]
-    graph = healed(strokes, HEAL)
-    assert np.bincount(np.array(graph.edges).ravel()).min() == 2
-    made = sheet(strokes)
-    assert (len(made.bodies), len(made.joints)) == (2, 1)
+@pytest.mark.parametrize("degrees", [40, 60, 90, 120, 150])
+def test_an_end_beside_a_corner_joins_the_rim_and_leaves_the_corner(degrees: int) -> None:
+    """Within the tolerance of one edge of it or of both, and farther from the corner, so that it cannot join that: the
+    rim is what it was but for the tolerance, and in two parts."""
+    random = np.random.default_rng(degrees)
+    one, other = (
+        np.array([1.0, 0.0]),
+        np.array([math.cos(math.radians(degrees)), math.sin(math.radians(degrees))]),
+    )
+    corners = 40.0 * np.array([0.0 * one, one, one + other, other])
+    rim = shapely.Polygon(corners)
+    tried = 0
+    while tried < 30:
+        end = random.uniform(-1.5e3, 1.5e3, 2) * HEAL
+        dot, far = shapely.Point(end), float(np.linalg.norm(end))
+        beside = rim.contains(dot) and rim.exterior.distance(dot) < 0.999e3 * HEAL
+        if not beside or far < 1.001e3 * HEAL:
+            continue
+        share = random.uniform(0.1, 0.9)
+        goal = 40.0 * (other + share * one if random.random() < 0.5 else one + share * other)
+        graph = healed([line(*corners, role="border", closed=True, source="rim"), line(end, goal)], HEAL)
+        assert np.bincount(np.array(graph.edges).ravel()).min() == 2
+        facets = shapely.polygonize(shapely.linestrings(1e3 * graph.points[np.array(graph.edges)]))
+        assert len(facets.geoms) == 2
+        whole = shapely.union_all(facets.geoms)
+        assert shapely.hausdorff_distance(whole.exterior, rim.exterior) < 1.001e3 * HEAL
+        if degrees <= 120:  # beside a blunt one a line may go along the rim, and take its corner
+            assert np.abs(graph.points).sum(axis=1).min() < 1e-9
+            assert not any(mend.source.startswith("rim") for mend in graph.mends)
+        tried += 1
 
 
 def test_dots_are_stray_and_told() -> None:

@@ -152,7 +152,7 @@ def near_pairs(at: Array, segments: Segments, near: float, exact: float) -> tupl
     # Beside an end the next corner of a curve through that end would be taken for one that should lie on the line.
     margin = np.where(apart > exact, near, exact)
     within = (share > margin) & (share < length - margin)
-    # A line that ends there is no such curve, and joins that end only where it is near enough.
+    # What ends there is no such curve, and joins that end only where it is near enough.
     to_ends = [np.linalg.norm(at[v] - at[end], axis=1) for end in (segments.a[s], segments.b[s])]
     is_tip = (segments.degrees(len(at))[v] == 1) & (np.minimum(*to_ends) > near)
     within |= is_tip & (share > exact) & (share < length - exact)

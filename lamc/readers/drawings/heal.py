@@ -198,16 +198,46 @@ class _Healer:
         places = self.at.copy()
         for v in sorted(beside):
             places[v] = self._moved(v, beside[v], int(degree[v]), touching[v])
+            for s in self._not_parted(beside[v], places[v]):
+                cuts[s].remove(v)
         self.segments = self.segments.parted(cuts, self.at)
         self.at = places
         return bool(cuts)
+
+    def _not_parted(self, lines: Sequence[int], place: Array) -> list[int]:
+        """Which of the lines beside a vertex are not parted where it went: that end there, or are the other side of a
+        corner of one that it went onto."""
+        where = {s: self._along(s, place) for s in lines}
+        corners = {
+            v
+            for s, (_, apart, _) in where.items()
+            if apart <= self.exact
+            for v in (int(self.segments.a[s]), int(self.segments.b[s]))
+        }
+        found = []
+        for s, (share, apart, length) in where.items():
+            margin = self.exact if apart <= self.exact else self.near
+            is_other = apart > self.exact and not corners.isdisjoint(
+                (int(self.segments.a[s]), int(self.segments.b[s]))
+            )
+            if is_other or not margin < share < length - margin:
+                found.append(s)
+        return found
+
+    def _along(self, s: int, place: Array) -> tuple[float, float, float]:
+        """How far along a line the foot of a place is, how far the place is from it, and the line's length, m."""
+        a, b = self.at[self.segments.a[s]], self.at[self.segments.b[s]]
+        length = float(np.linalg.norm(b - a))
+        share = float((place - a) @ (b - a)) / length
+        return share, float(np.linalg.norm(a + share / length * (b - a) - place)), length
 
     def _moved(self, v: int, lines: Sequence[int], degree: int, strokes: set[int]) -> Array:
         """Where a vertex goes that lies beside lines: along its own line, if it is the end of one, else straight."""
         place = self.at[v]
         chosen = min(lines, key=lambda s: (self._rank(int(self.segments.owner[s])), -self._length(s), s))
         a, b = self.at[self.segments.a[chosen]], self.at[self.segments.b[chosen]]
-        along = (b - a) / np.linalg.norm(b - a)
+        length = float(np.linalg.norm(b - a))
+        along = (b - a) / length
         target: Array = a + float((place - a) @ along) * along
         what = "T-junction"
         kind = "hinge" if any(self.strokes[k].role in CREASES for k in strokes) else "line"
@@ -219,6 +249,7 @@ class _Healer:
                 target = found
                 outward = float((found - place) @ (own[0] - own[1])) > 0.0
                 what = f"{kind} extended" if outward else f"{kind} cut back"
+        target = a + min(max(float((target - a) @ along), 0.0), length) * along  # no farther than to a corner
         other = self._sources([int(self.segments.owner[chosen])])
         moved = float(np.linalg.norm(target - place))
         self._tell(what, target, moved, f"{self._sources(strokes)} at {other}")
@@ -255,8 +286,9 @@ class _Healer:
         return True
 
     def _cut_back(self) -> bool:
-        """Leaves out what runs over a junction by no more than the tolerance, as a curve may whose pieces are shorter
-        than that: its end joins no point of its own stroke. True where something did."""
+        """Leaves out what ends no farther than the tolerance beyond a junction, as a curve may whose last piece is
+        shorter than that: its end joins no point of its own stroke. True where something did. Of outlines nothing: they
+        have gaps."""
         if self.near <= self.exact:
             return False
         degree = self.segments.degrees(len(self.at))
@@ -273,11 +305,12 @@ class _Healer:
                 if degree[v] != 2 or long > self.near:
                     break
                 way += [s for s in touching[v] if s != way[-1]]
-            if degree[v] > 2 and long <= self.near:
+            strokes = sorted({int(self.segments.owner[s]) for s in way})
+            roles = {self.strokes[k].role for k in strokes}
+            if degree[v] > 2 and long <= self.near and not roles & OUTLINES:
                 over.update(way)
-                k = int(self.segments.owner[way[0]])
-                kind = "hinge" if self.strokes[k].role in CREASES else "line"
-                self._tell(f"{kind} cut back", self.at[v], long, self._sources([k]))
+                kind = "hinge" if roles & CREASES else "line"
+                self._tell(f"{kind} cut back", self.at[v], long, self._sources(strokes))
         if over:
             self.segments = self.segments.without(over)
         return bool(over)

@@ -22,7 +22,7 @@ class _Counted(LocalForms):
 def _tangents(matrix: list[list[float]], count: int) -> tuple[_Counted, Tangents]:
     """One form for each of `count` vertices, of two creases of its own."""
     joints = np.arange(2 * count).reshape(count, 2)
-    local = _Counted(joints, np.tile(np.array(matrix), (count, 1, 1)), np.ones(2 * count, bool))
+    local = _Counted(((joints, np.tile(np.array(matrix), (count, 1, 1))),), np.ones(2 * count, bool))
     return local, Tangents(np.eye(2 * count), np.zeros((0, 2 * count, 2 * count)), local)
 
 
